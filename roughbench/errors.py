@@ -1,0 +1,53 @@
+"""Every error that roughbench raises on purpose; one base class to catch them all."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+class RoughbenchError(Exception):
+    """Base of all errors raised on purpose; the message names the remedy."""
+
+
+class SurfaceError(RoughbenchError):
+    """Heights, a grid or a spectrum that cannot be used."""
+
+
+class SolverError(RoughbenchError):
+    """Input that a contact model cannot solve."""
+
+
+class StoreError(RoughbenchError):
+    """A results file that cannot be written, or read as one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """One fault of a spec: where it stands and what to do about it.
+
+    ``line`` and ``column`` count from 1; 0 means that the place is not known
+    (a spec given as a dict). ``path`` is the key path, such as
+    ``surface.slope`` or ``models[1].springs``.
+    """
+
+    message: str
+    path: str = ""
+    line: int = 0
+    column: int = 0
+    source: str = ""
+
+    def __str__(self) -> str:
+        place = self.source or "spec"
+        if self.line:
+            place += f":{self.line}:{self.column}"
+        subject = f"{self.path}: " if self.path else ""
+        return f"{place}: error: {subject}{self.message}"
+
+
+class SpecError(RoughbenchError):
+    """A spec that cannot be used; ``faults`` holds all of its faults."""
+
+    def __init__(self, faults: Sequence[Fault]) -> None:
+        self.faults = tuple(faults)
+        super().__init__("\n".join(str(fault) for fault in self.faults))

@@ -1,0 +1,130 @@
+"""What every contender shares: the sample it gets, the curve it returns, its options.
+
+A contender is one file in this package: a subclass of :class:`Model` that holds its
+options and computes a :class:`Curve` from a :class:`Sample` and a list of pressures.
+It knows nothing of specs, files, progress bars or figures.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import IntEnum
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field
+
+from roughbench.spectrum import Spectrum
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int32]
+
+
+class Status(IntEnum):
+    """How the computation of one state ended; stored as int32."""
+
+    CONVERGED = 0
+    STAGNATED = 1
+    MAX_ITERATIONS = 2
+    NOT_FINITE = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """One realization of the roughness, as a contender gets it.
+
+    Parameters
+    ----------
+    heights : ndarray of float64, shape (n,) or (n, m), or None
+        Heights of a line or a surface with zero mean, length; None where the model
+        works on the spectrum alone.
+    length : float
+        Side of the periodic cell, length.
+    spectrum : Spectrum or None
+        The spectrum behind the heights; None for heights from a file.
+    """
+
+    heights: FloatArray | None
+    length: float
+    spectrum: Spectrum | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """What a contender says at each pressure; all arrays have shape (pressures,).
+
+    Attributes
+    ----------
+    pressure : ndarray of float64
+        Nominal pressure p, in the unit of the contact modulus E*.
+    area : ndarray of float64
+        Real contact area A/A0.
+    separation : ndarray of float64
+        Mean separation ū, length.
+    stiffness : ndarray of float64
+        K = −dp/dū, E*/length; inf at full contact.
+    energy : ndarray of float64
+        Elastic energy U/(A0 E*), length.
+    status : ndarray of int32
+        :class:`Status` of each state.
+    area_raw : ndarray of float64, optional
+        Contact points / all points, before the perimeter correction.
+    diagnostics : mapping of str to ndarray, optional
+        Further numbers per pressure (certificate, iterations).
+    """
+
+    pressure: FloatArray
+    area: FloatArray
+    separation: FloatArray
+    stiffness: FloatArray
+    energy: FloatArray
+    status: IntArray
+    area_raw: FloatArray | None = None
+    diagnostics: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+
+
+class Model(BaseModel, ABC):
+    """Options of one contender, and how it computes a curve.
+
+    Subclasses declare ``kind: Literal["…"]``, their options as pydantic fields with
+    descriptions, and the class variables below.
+    """
+
+    model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
+
+    dimension: ClassVar[int]
+    """0: spectrum only, 1: heights of a line, 2: heights of a surface."""
+    title: ClassVar[str]
+    """Name in legends and tables."""
+
+    kind: str
+    label: str | None = Field(
+        default=None,
+        pattern=r"^[A-Za-z0-9][A-Za-z0-9_.+-]*$",
+        description="Name of this model in the results; default: its kind.",
+    )
+    realizations: int | None = Field(
+        default=None, ge=1, description="Overrides the spec's realizations for this model."
+    )
+
+    @property
+    def name(self) -> str:
+        """Label of the model in the results."""
+        return self.label or self.kind
+
+    def grid_points(self, spectrum: Spectrum, length: float) -> int:
+        """Points per side of the heights that this model needs.
+
+        Raises
+        ------
+        SurfaceError
+            If its grid option is too coarse for the spectrum; names one that would do.
+        """
+        raise NotImplementedError(f"{self.kind} uses no heights")
+
+    @abstractmethod
+    def curve(self, sample: Sample, pressures: FloatArray, *, threads: int = 1) -> Curve:
+        """Return the curve at ``pressures`` (p/E*, any order), with E* = 1."""

@@ -1,0 +1,230 @@
+r"""Isotropic power spectra of rough surfaces and of the lines mapped from them.
+
+**The normalisation, written once, cited elsewhere.** With Persson's convention
+
+.. math:: C_{2D}(q) = (2\pi)^{-2} \int d^2x\, \langle h(x) h(0)\rangle e^{-iq\cdot x},
+
+the mean squared height is
+
+.. math:: \langle h^2\rangle = 2\pi\int_0^\infty q\, C_{2D}\, dq
+                             = \int_{-\infty}^{\infty} C_{1D}\, dq,
+          \qquad C_{1D}(q) = \pi |q|\, C_{2D}(|q|).
+
+The one-dimensional spectrum is *two-sided*. The mapping (Popov's) preserves every
+moment :math:`M_k = 2\pi\int q^{1+k} C_{2D}\,dq`: the rms height
+:math:`\sqrt{M_0}`, the full rms slope :math:`\xi = \sqrt{M_2}`, and
+:math:`\int |q| C_{1D} dq = M_1`. Wavevectors are angular, :math:`q = 2\pi/\lambda`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from roughbench.errors import SurfaceError
+
+FloatArray = NDArray[np.float64]
+BelowRolloff = Literal["rolloff", "cutoff"]
+
+
+def power_integral(lower: ArrayLike, stretch: ArrayLike, exponent: ArrayLike) -> FloatArray:
+    r"""Return :math:`\int_a^{a(1+x)} q^{n-1} dq`, without cancellation for small x.
+
+    Parameters
+    ----------
+    lower : array_like
+        Lower limit a > 0.
+    stretch : array_like
+        Relative width x ≥ 0 of the interval.
+    exponent : array_like
+        n; zero gives the logarithm.
+
+    Returns
+    -------
+    ndarray of float64
+        The integral, broadcast over the arguments.
+
+    Examples
+    --------
+    >>> float(power_integral(1.0, 1.0, 2.0))
+    1.5
+    """
+    a, x, n = np.broadcast_arrays(
+        np.asarray(lower, float), np.asarray(stretch, float), np.asarray(exponent, float)
+    )
+    growth = np.log1p(x)
+    safe = np.where(n == 0.0, 1.0, n)
+    return np.where(n == 0.0, growth, a**n * np.expm1(safe * growth) / safe)
+
+
+@dataclass(frozen=True, slots=True)
+class Spectrum:
+    """An isotropic power spectrum C2D(q) as a chain of power laws.
+
+    Between ``edges[i]`` and ``edges[i + 1]`` it is ``prefactors[i] * q**-exponents[i]``,
+    and zero outside the edges. All moments are closed forms.
+
+    Parameters
+    ----------
+    edges : tuple of float, length n + 1
+        Increasing wavevectors, 1/length.
+    prefactors, exponents : tuple of float, length n
+        The power law of each segment; C2D is a length to the fourth power.
+    hurst, q_rolloff : float, optional
+        Known for self-affine spectra (:func:`self_affine`), None for measured ones.
+    """
+
+    edges: tuple[float, ...]
+    prefactors: tuple[float, ...]
+    exponents: tuple[float, ...]
+    hurst: float | None = None
+    q_rolloff: float | None = None
+
+    @property
+    def q_min(self) -> float:
+        """Smallest wavevector with power, 1/length."""
+        return self.edges[0]
+
+    @property
+    def q_max(self) -> float:
+        """Largest wavevector with power, 1/length."""
+        return self.edges[-1]
+
+    def psd_2d(self, q: ArrayLike) -> FloatArray:
+        """C2D(q) of the surface, length⁴; zero outside ``q_min`` … ``q_max``."""
+        q = np.asarray(q, float)
+        edges = np.asarray(self.edges)
+        # A wavevector on the lattice, n·2π/L, may miss an edge by rounding.
+        slack = 1e-12
+        inside = (q >= edges[0] * (1 - slack)) & (q <= edges[-1] * (1 + slack))
+        clipped = np.clip(q, edges[0], edges[-1])
+        segment = np.clip(
+            np.searchsorted(edges, clipped * (1 + slack), side="right") - 1,
+            0,
+            len(self.prefactors) - 1,
+        )
+        c = np.asarray(self.prefactors)[segment]
+        s = np.asarray(self.exponents)[segment]
+        return np.where(inside, c * clipped**-s, 0.0)
+
+    def psd_1d(self, q: ArrayLike) -> FloatArray:
+        """C1D(q) = π |q| C2D(|q|) of the mapped line, two-sided, length³."""
+        q = np.abs(np.asarray(q, float))
+        return np.pi * q * self.psd_2d(q)
+
+    def moment(self, order: float, q_max: float | None = None) -> float:
+        r"""M_k = 2π∫q^{1+k} C2D dq up to ``q_max`` (default: all of it).
+
+        Parameters
+        ----------
+        order : float
+            k: 0 for the squared rms height, 2 for the squared rms slope.
+        q_max : float, optional
+            Upper limit of the integral, 1/length.
+
+        Returns
+        -------
+        float
+            length^(2 - k).
+
+        Examples
+        --------
+        >>> spectrum = self_affine(hurst=0.7, q_min=1.0, q_rolloff=8.0, q_max=8192.0,
+        ...                        rms_slope=0.1)
+        >>> f"{spectrum.moment(0) ** 0.5:.6e}"
+        '1.338290e-03'
+        """
+        limit = self.q_max if q_max is None else q_max
+        lower = np.asarray(self.edges[:-1])
+        upper = np.clip(self.edges[1:], None, limit)
+        stretch = np.clip(upper / lower - 1.0, 0.0, None)
+        parts = power_integral(lower, stretch, order + 2.0 - np.asarray(self.exponents))
+        return float(2.0 * np.pi * np.sum(np.asarray(self.prefactors) * parts))
+
+    @property
+    def rms_height(self) -> float:
+        """h_rms of the continuum, √M_0, length."""
+        return math.sqrt(self.moment(0))
+
+    @property
+    def rms_slope(self) -> float:
+        """ξ = √⟨|∇h|²⟩ = √M_2 of the continuum."""
+        return math.sqrt(self.moment(2))
+
+    @property
+    def nayak(self) -> float:
+        """Nayak's bandwidth parameter m0 m4 / m2², with m2 = M_2/2 and m4 = 3M_4/8."""
+        m0, m2, m4 = self.moment(0), self.moment(2) / 2.0, 3.0 * self.moment(4) / 8.0
+        return m0 * m4 / m2**2
+
+
+def self_affine(
+    *,
+    hurst: float,
+    q_min: float,
+    q_rolloff: float,
+    q_max: float,
+    rms_slope: float | None = None,
+    rms_height: float | None = None,
+    below_rolloff: BelowRolloff = "rolloff",
+) -> Spectrum:
+    r"""Return the self-affine spectrum C2D ∝ q^{-2-2H} of the given slope or height.
+
+    Parameters
+    ----------
+    hurst : float
+        Hurst exponent H, 0 < H < 1.
+    q_min, q_rolloff, q_max : float
+        q0 ≤ qr < q1, 1/length.
+    rms_slope, rms_height : float
+        Exactly one of them; it fixes the prefactor through M_2 or M_0 (continuum).
+    below_rolloff : {"rolloff", "cutoff"}
+        Below ``q_rolloff`` the spectrum is flat, or zero.
+
+    Returns
+    -------
+    Spectrum
+
+    Raises
+    ------
+    SurfaceError
+        If a parameter is out of its range, or not exactly one scale is given.
+
+    Examples
+    --------
+    >>> spectrum = self_affine(hurst=0.7, q_min=1, q_rolloff=1, q_max=8192, rms_slope=0.1)
+    >>> f"{spectrum.rms_height:.6e}"
+    '4.395117e-03'
+    """
+    if not 0.0 < hurst < 1.0:
+        raise SurfaceError(f"the Hurst exponent must lie between 0 and 1, got {hurst}")
+    if not 0.0 < q_min <= q_rolloff < q_max < math.inf:
+        raise SurfaceError(
+            "wavevectors must satisfy 0 < q0 <= qr < q1, "
+            f"got q0 = {q_min}, qr = {q_rolloff}, q1 = {q_max}"
+        )
+    if (rms_slope is None) == (rms_height is None):
+        raise SurfaceError("give exactly one of rms_slope and rms_height")
+    fall = 2.0 + 2.0 * hurst
+    if q_rolloff > q_min and below_rolloff == "rolloff":
+        edges: tuple[float, ...] = (q_min, q_rolloff, q_max)
+        prefactors: tuple[float, ...] = (q_rolloff**-fall, 1.0)
+        exponents: tuple[float, ...] = (0.0, fall)
+    else:
+        edges, prefactors, exponents = (q_rolloff, q_max), (1.0,), (fall,)
+    unit = Spectrum(edges, prefactors, exponents)
+    order, target = (2, rms_slope) if rms_slope is not None else (0, rms_height)
+    if target is None or not 0.0 < target < math.inf:
+        raise SurfaceError(f"the rms slope or rms height must be positive, got {target}")
+    scale = target**2 / unit.moment(order)
+    return Spectrum(
+        edges,
+        tuple(scale * prefactor for prefactor in prefactors),
+        exponents,
+        hurst=hurst,
+        q_rolloff=q_rolloff,
+    )
