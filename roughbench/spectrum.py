@@ -84,6 +84,28 @@ class Spectrum:
     hurst: float | None = None
     q_rolloff: float | None = None
 
+    def __post_init__(self) -> None:
+        """Refuse a chain that is none.
+
+        Raises
+        ------
+        SurfaceError
+            If the lengths do not fit, the edges do not increase from a positive one, or
+            a prefactor is negative.
+        """
+        n = len(self.prefactors)
+        if n == 0 or len(self.exponents) != n or len(self.edges) != n + 1:
+            raise SurfaceError(
+                "a spectrum of n segments has n + 1 edges, n prefactors and n exponents, "
+                f"got {len(self.edges)}, {n} and {len(self.exponents)}"
+            )
+        values = np.asarray([*self.edges, *self.prefactors, *self.exponents], float)
+        edges = values[: n + 1]
+        if not np.isfinite(values).all() or edges[0] <= 0.0 or (np.diff(edges) <= 0.0).any():
+            raise SurfaceError("the edges of a spectrum must be finite, positive and increase")
+        if min(self.prefactors) < 0.0:
+            raise SurfaceError("the power of a spectrum must not be negative")
+
     @property
     def q_min(self) -> float:
         """Smallest wavevector with power, 1/length."""
@@ -227,4 +249,100 @@ def self_affine(
         exponents,
         hurst=hurst,
         q_rolloff=q_rolloff,
+    )
+
+
+def wavenumbers(shape: tuple[int, ...], length: float) -> FloatArray:
+    """|q| of the entries of a real transform of ``shape``; square pixels, side ``length``.
+
+    Returns
+    -------
+    ndarray of float64, shape (…, n // 2 + 1)
+        Angular wavevectors, 1/length.
+    """
+    spacing = length / shape[0]
+    axes = [2 * np.pi * np.fft.fftfreq(n, spacing) for n in shape[:-1]]
+    axes.append(2 * np.pi * np.fft.rfftfreq(shape[-1], spacing))
+    grids = np.meshgrid(*axes, indexing="ij", sparse=True)
+    q: FloatArray = np.sqrt(sum(g * g for g in grids))
+    return q
+
+
+def mode_power(heights: FloatArray) -> FloatArray:
+    """Return the share of each mode in ⟨(h − ⟨h⟩)²⟩, in the layout of a real transform.
+
+    Parameters
+    ----------
+    heights : ndarray of float64, shape (n,) or (n, m)
+        Length.
+
+    Returns
+    -------
+    ndarray of float64, shape (n // 2 + 1,) or (n, m // 2 + 1)
+        length²; a mode and its mirror image count together.
+    """
+    power: FloatArray = np.abs(np.fft.rfftn(heights, norm="forward")) ** 2
+    power *= 2.0  # the other half plane
+    power[..., 0] /= 2.0
+    if heights.shape[-1] % 2 == 0:
+        power[..., -1] /= 2.0
+    power.flat[0] = 0.0
+    return power
+
+
+def measured_spectrum(heights: FloatArray, length: float) -> Spectrum:
+    r"""Return the radially averaged spectrum of given heights, as a chain of flat shells.
+
+    The shells are 2π/L wide, centred on the multiples of 2π/L, where L is the longest
+    side of the cell. C2D is constant on each, with all the power that the modes of the
+    heights have in it, so that M_0 is their mean square exactly. M_2 is not: shell n
+    carries its power at (n² + ¼)(2π/L)² on average, and the modes carry it a little
+    beside that. Heights of a line are taken as one with C1D = πqC2D (Popov's mapping).
+
+    Parameters
+    ----------
+    heights : ndarray of float64, shape (n,) or (n, m)
+        Periodic heights on square pixels, length; their mean is immaterial.
+    length : float
+        Period along the first axis, length.
+
+    Returns
+    -------
+    Spectrum
+        Without shells that hold nothing but rounding at either end (less than 1e-24 of
+        the power); no Hurst exponent or roll-off.
+
+    Raises
+    ------
+    SurfaceError
+        If the heights have a wrong shape, are constant or not finite.
+
+    Examples
+    --------
+    >>> x = np.linspace(0.0, 2 * np.pi, 64, endpoint=False)
+    >>> spectrum = measured_spectrum(0.1 * np.cos(3 * x), length=2 * np.pi)
+    >>> spectrum.edges, round(spectrum.rms_height**2, 12)
+    ((2.5, 3.5), 0.005)
+    """
+    h = np.asarray(heights, float)
+    if h.ndim not in (1, 2) or min(h.shape) < 2:
+        raise SurfaceError(
+            f"a spectrum needs the heights of a line or a surface, got shape {h.shape}"
+        )
+    if not np.isfinite(h).all():
+        raise SurfaceError("a spectrum needs finite heights; fill the missing points first")
+    if not 0.0 < length < math.inf:
+        raise SurfaceError(f"the length of the cell must be positive and finite, got {length}")
+    width = 2.0 * math.pi / (length * max(h.shape) / h.shape[0])
+    shell = np.floor(wavenumbers(h.shape, length) / width + 0.5).astype(np.int64)
+    power = np.bincount(shell.ravel(), weights=mode_power(h - h.mean()).ravel())
+    if not power.sum() > 1e-28 * np.mean(h * h):
+        raise SurfaceError("the heights are constant: there is no roughness to measure")
+    held = np.flatnonzero(power > 1e-24 * power.sum())
+    first, last = int(held[0]), int(held[-1])
+    edges = width * (np.arange(first, last + 2) - 0.5)
+    # 2π∫q C dq over the shell is its power.
+    density = power[first : last + 1] / (math.pi * np.diff(edges**2))
+    return Spectrum(
+        tuple(edges.tolist()), tuple(density.tolist()), (0.0,) * int(last - first + 1)
     )

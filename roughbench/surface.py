@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roughbench.errors import SurfaceError
-from roughbench.spectrum import Spectrum
+from roughbench.spectrum import Spectrum, mode_power
+from roughbench.spectrum import wavenumbers as wavenumbers  # others import it from here
 
 FloatArray = NDArray[np.float64]
 Amplitude = Literal["fixed", "gaussian"]
@@ -201,28 +202,14 @@ def _place_in_stream(nx: int, ny: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.where(shell > 0, place, 0)
 
 
-def _unit_modes(generator: np.random.Generator, count: int, amplitude: Amplitude) -> NDArray[np.complex128]:
+def _unit_modes(
+    generator: np.random.Generator, count: int, amplitude: Amplitude
+) -> NDArray[np.complex128]:
     """Random complex numbers with ⟨|z|²⟩ = 1, in the order of the stream."""
     if amplitude == "fixed":
         return np.exp(2j * np.pi * generator.random(count))
     normal = generator.standard_normal((count, 2))
     return (normal[:, 0] + 1j * normal[:, 1]) / math.sqrt(2.0)
-
-
-def wavenumbers(shape: tuple[int, ...], length: float) -> FloatArray:
-    """|q| of the entries of a real transform of ``shape``; square pixels, side ``length``.
-
-    Returns
-    -------
-    ndarray of float64, shape (…, n // 2 + 1)
-        Angular wavevectors, 1/length.
-    """
-    spacing = length / shape[0]
-    axes = [2 * np.pi * np.fft.fftfreq(n, spacing) for n in shape[:-1]]
-    axes.append(2 * np.pi * np.fft.rfftfreq(shape[-1], spacing))
-    grids = np.meshgrid(*axes, indexing="ij", sparse=True)
-    q: FloatArray = np.sqrt(sum(g * g for g in grids))
-    return q
 
 
 def rms_height_and_slope(heights: FloatArray, length: float) -> tuple[float, float]:
@@ -240,11 +227,6 @@ def rms_height_and_slope(heights: FloatArray, length: float) -> tuple[float, flo
     (float, float)
         rms height (length) and rms slope.
     """
-    power = np.abs(np.fft.rfftn(heights, norm="forward")) ** 2
-    power *= 2.0  # the other half plane
-    power[..., 0] /= 2.0
-    if heights.shape[-1] % 2 == 0:
-        power[..., -1] /= 2.0
+    power = mode_power(heights)
     q = wavenumbers(heights.shape, length)
-    power.flat[0] = 0.0
     return math.sqrt(power.sum()), math.sqrt((power * q * q).sum())

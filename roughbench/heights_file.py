@@ -1,0 +1,161 @@
+"""Heights of a line or a surface from a ``.npy`` or HDF5 file."""
+
+from __future__ import annotations
+
+from collections import deque
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roughbench.errors import SurfaceError
+
+if TYPE_CHECKING:
+    import h5py
+
+FloatArray = NDArray[np.float64]
+
+_FEWEST = 4
+"""Points per side: fewer carry no wave but the one that alternates from point to point."""
+_MOST_SOFT_LINKS = 16
+
+
+def load_heights(path: str | Path, folder: str | Path = ".") -> FloatArray:
+    """Return the heights that a file holds, as they stand in it (mean included).
+
+    Parameters
+    ----------
+    path : str or Path
+        ``heights.npy``, or ``file.h5:/dataset`` for a dataset of an HDF5 file.
+    folder : str or Path
+        Where a relative path starts from.
+
+    Returns
+    -------
+    ndarray of float64, shape (n,) or (n, m)
+        Heights in the file's unit; integers and other floats are converted.
+
+    Raises
+    ------
+    SurfaceError
+        If the file or dataset does not exist or cannot be read, or does not hold finite
+        numbers in one or two dimensions with at least four points each. Data outside
+        the HDF5 file (external links, external storage, virtual datasets) are refused.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = tempfile.mkdtemp()
+    >>> np.save(f"{folder}/line.npy", [0.0, 1.0, 0.0, -1.0])
+    >>> load_heights("line.npy", folder).tolist()
+    [0.0, 1.0, 0.0, -1.0]
+    """
+    name = str(path)
+    file_name, colon, dataset = name.rpartition(":/")
+    if colon:
+        heights = _load_hdf5(Path(folder) / file_name, "/" + dataset, name)
+    elif name.endswith(".npy"):
+        heights = _load_npy(Path(folder) / name, name)
+    else:
+        raise SurfaceError(
+            f"{name}: heights come from a .npy file, or from an HDF5 file with the dataset "
+            "named after it, as in file.h5:/heights"
+        )
+    if not np.isfinite(heights).all():
+        bad = np.argwhere(~np.isfinite(heights))
+        index = ", ".join(str(i) for i in bad[0])
+        raise SurfaceError(
+            f"{name}: {len(bad)} of {heights.size} heights are not finite, the first at index "
+            f"[{index}]; fill or cut the missing points before"
+        )
+    return heights
+
+
+def _check_layout(shape: tuple[int, ...] | None, dtype: np.dtype[Any], name: str) -> None:
+    """Refuse what is no array of real numbers in one or two dimensions."""
+    if dtype.kind not in "fiu":
+        raise SurfaceError(
+            f"{name}: heights must be real numbers, got the type {dtype}; save them as float64"
+        )
+    if shape is None or len(shape) not in (1, 2):
+        raise SurfaceError(
+            f"{name}: heights must have one dimension (a line) or two (a surface), "
+            f"got the shape {shape}"
+        )
+    if min(shape) < _FEWEST:
+        raise SurfaceError(
+            f"{name}: heights need at least {_FEWEST} points per side, got the shape {shape}"
+        )
+
+
+def _load_npy(path: Path, name: str) -> FloatArray:
+    if not path.is_file():
+        raise SurfaceError(f"{name}: no such file; relative paths start from {path.parent}")
+    try:
+        with path.open("rb") as file:
+            array = np.lib.format.read_array(file, allow_pickle=False)
+    except (ValueError, OSError, EOFError, MemoryError) as error:
+        raise SurfaceError(
+            f"{name}: not a .npy file of numbers ({error}); write it with "
+            "numpy.save(path, heights)"
+        ) from error
+    _check_layout(array.shape, array.dtype, name)
+    return np.ascontiguousarray(array, np.float64)
+
+
+def _load_hdf5(path: Path, dataset: str, name: str) -> FloatArray:
+    import h5py
+
+    if not path.is_file():
+        raise SurfaceError(f"{name}: no such file; relative paths start from {path.parent}")
+    try:
+        file = h5py.File(path, "r")
+    except OSError as error:
+        raise SurfaceError(f"{name}: {path.name} is not a readable HDF5 file") from error
+    with file:
+        found = _find_dataset(file, dataset, name)
+        if found.is_virtual or found.external:
+            raise SurfaceError(
+                f"{name}: the dataset keeps its data in other files, which is refused; "
+                "copy them into one dataset"
+            )
+        _check_layout(found.shape, found.dtype, name)
+        try:
+            return np.ascontiguousarray(found[()], np.float64)
+        except (OSError, MemoryError) as error:
+            raise SurfaceError(f"{name}: the dataset cannot be read ({error})") from error
+
+
+def _find_dataset(file: h5py.File, dataset: str, name: str) -> h5py.Dataset:
+    """Follow the path link by link, so that no link leads out of the file."""
+    import h5py
+
+    here: h5py.Group = file
+    parts = deque(part for part in dataset.split("/") if part)
+    followed = 0
+    while parts:
+        part = parts.popleft()
+        link = here.get(part, getlink=True)
+        if isinstance(link, h5py.ExternalLink):
+            raise SurfaceError(
+                f"{name}: {part} is a link to another file, which is refused; "
+                f"name that file itself ({link.filename}:{link.path})"
+            )
+        if isinstance(link, h5py.SoftLink):
+            followed += 1
+            if followed > _MOST_SOFT_LINKS:
+                raise SurfaceError(f"{name}: the links of {dataset} go in circles")
+            if link.path.startswith("/"):
+                here = file
+            parts.extendleft(reversed([part for part in link.path.split("/") if part]))
+            continue
+        item = here[part] if link is not None else None
+        if isinstance(item, h5py.Dataset) and not parts:
+            return item
+        if not isinstance(item, h5py.Group):
+            held = ", ".join(sorted(here)) or "nothing"
+            raise SurfaceError(f"{name}: no dataset {part} in {here.name}; it holds {held}")
+        here = item
+    held = ", ".join(sorted(here)) or "nothing"
+    raise SurfaceError(f"{name}: {here.name} is a group, not a dataset; it holds {held}")
