@@ -1,0 +1,126 @@
+r"""Rough contact on one bench: exact solver, Popov's foundation, Persson's theory.
+
+**The way of the data.** A *spec* says everything about a computation. It is YAML in a
+file, or the same as a mapping:
+
+>>> import roughbench as rb
+>>> spec = {
+...     "name": "tour",
+...     "surface": {"H": 0.7, "q0": 1.0, "qr": 8.0, "q1": 128.0, "slope": 0.1},
+...     "pressures": [1e-4, 1e-3, 1e-2],
+...     "realizations": 4,
+...     "seed": 2013,
+...     "models": [{"kind": "foundation", "springs": 512}, {"kind": "persson"}],
+... }
+
+:func:`run` makes the *surfaces* (lines for the foundation; Persson's theory takes the
+spectrum alone), has each *model* compute its curve on every one of them, and averages
+over the *ensemble*:
+
+>>> results = rb.run(spec)
+>>> foundation, persson = results["main"]["foundation"], results["main"]["persson"]
+>>> foundation["area"].shape
+(4, 3)
+
+Every quantity has its mean, standard error, median and 16 % and 84 % quantiles, as
+functions of the pressure p/E\*:
+
+>>> persson["area_mean"].round(5).tolist()
+[0.0016, 0.01596, 0.15852]
+>>> bool((foundation["area_mean"] > 2 * persson["area_mean"]).all())
+True
+
+At p/E\* = 0.01 every spring of the foundation is in contact, and its stiffness infinite:
+
+>>> foundation["stiffness_mean"].tolist()[-1], foundation.units("stiffness_mean")
+(inf, '1/length')
+
+A *results file* keeps all of it, written whole or not at all, for :func:`load`, for
+xarray, and for the commands ``roughbench show``, ``plot`` and ``export``:
+
+>>> import tempfile
+>>> path = tempfile.mkdtemp() + "/tour.h5"
+>>> _ = rb.run(spec, output=path)
+>>> list(rb.load(path)["main"])
+['foundation', 'persson']
+
+:func:`solve_contact` and :func:`solve_curve` solve given heights exactly, without a spec.
+Everything that this package raises on purpose is a :class:`RoughbenchError`.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING
+
+from roughbench.errors import (
+    Fault,
+    RoughbenchError,
+    SolverError,
+    SpecError,
+    StoreError,
+    SurfaceError,
+)
+
+if TYPE_CHECKING:
+    from roughbench.models.halfspace import solve_contact, solve_curve
+    from roughbench.results import ModelResult, Results
+    from roughbench.runner import Progress, run
+    from roughbench.spec import Spec, load_spec
+    from roughbench.store import load
+
+    __version__: str
+
+__all__ = [
+    "Fault",
+    "ModelResult",
+    "Progress",
+    "Results",
+    "RoughbenchError",
+    "SolverError",
+    "Spec",
+    "SpecError",
+    "StoreError",
+    "SurfaceError",
+    "__version__",
+    "load",
+    "load_spec",
+    "run",
+    "solve_contact",
+    "solve_curve",
+]
+
+# Imported on first use, so that `roughbench --help` answers without NumPy.
+_LAZY = {
+    "ModelResult": "roughbench.results",
+    "Progress": "roughbench.runner",
+    "Results": "roughbench.results",
+    "Spec": "roughbench.spec",
+    "load": "roughbench.store",
+    "load_spec": "roughbench.spec",
+    "run": "roughbench.runner",
+    "solve_contact": "roughbench.models.halfspace",
+    "solve_curve": "roughbench.models.halfspace",
+}
+
+
+def __getattr__(name: str) -> object:
+    if name == "__version__":
+        return _version()
+    if name not in _LAZY:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(_LAZY[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
+
+
+def _version() -> str:
+    """Return the version of the installed package."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("roughbench")
+    except PackageNotFoundError:
+        return "unknown (not installed)"

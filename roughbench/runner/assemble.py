@@ -1,0 +1,49 @@
+"""Blocks of realizations → the variables of one group of the results."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from roughbench.ensemble import STATISTICS, harmonic_mean, summarize
+from roughbench.models.base import Status
+from roughbench.results import AVERAGED, Array, ModelResult
+from roughbench.runner.compute import Block
+from roughbench.runner.plan import Cell
+from roughbench.runner.samples import describe
+
+
+def assemble(cell: Cell, blocks: Sequence[Block]) -> ModelResult:
+    """Join the blocks of a cell, in the order of the realizations, and summarize them.
+
+    Parameters
+    ----------
+    cell : Cell
+    blocks : sequence of dict
+        Of the cell's tasks, in their order.
+
+    Returns
+    -------
+    ModelResult
+        Summaries leave out the states that did not converge; ``n_converged`` counts
+        those that did.
+    """
+    variables: dict[str, Array] = {"pressure": cell.pressure_array()}
+    for name in blocks[0]:
+        variables[name] = np.concatenate([block[name] for block in blocks])
+    converged = variables["status"] == Status.CONVERGED
+    variables["n_converged"] = converged.sum(axis=0, dtype=np.int64)
+    for name in AVERAGED:
+        if name in variables:
+            summary = summarize(variables[name], converged)
+            for statistic in STATISTICS:
+                variables[f"{name}_{statistic}"] = getattr(summary, statistic)
+    variables["stiffness_harmonic"] = harmonic_mean(variables["stiffness"], converged)
+    return ModelResult(
+        label=cell.model.name,
+        kind=cell.model.kind,
+        title=cell.model.title,
+        attributes=describe(cell.surface, cell.model) | {"seed": cell.seed},
+        variables=variables,
+    )

@@ -1,0 +1,82 @@
+"""The work of one task: samples, curves, and their rows of the results."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from roughbench.errors import RoughbenchError, SolverError
+from roughbench.models.base import Curve, Status
+from roughbench.results import AVERAGED, Array
+from roughbench.runner.plan import Task
+from roughbench.runner.samples import make_sample, rms_of
+
+Block = dict[str, Array]
+"""Variables by name; first axis: the realizations of one task."""
+
+
+def compute(task: Task, threads: int, finished: Callable[[int], None] | None = None) -> Block:
+    """Return the curves of a task's realizations, one row each.
+
+    Parameters
+    ----------
+    task : Task
+    threads : int
+        Threads that the model may use.
+    finished : callable, optional
+        Called with the index of each realization when its curve is done.
+
+    Returns
+    -------
+    dict of str to ndarray
+        ``area`` and so on have shape (realizations, pressures), ``rms_height`` and
+        ``rms_slope`` (realizations,).
+
+    Raises
+    ------
+    SolverError
+        If the model refuses; names the realization.
+    """
+    cell, rows = task.cell, []
+    pressures = cell.pressure_array()
+    for realization in task.realizations:
+        try:
+            sample = make_sample(cell.surface, cell.model, cell.seed, realization)
+            curve = cell.model.curve(sample, pressures, threads=threads)
+        except RoughbenchError as error:
+            here = Task(cell, range(realization, realization + 1))
+            raise SolverError(f"{here}: {error}") from error
+        row = _row(curve, pressures.shape)
+        height, slope = rms_of(sample)
+        row["rms_height"], row["rms_slope"] = np.array(height), np.array(slope)
+        rows.append(row)
+        if finished is not None:
+            finished(realization)
+    return {name: np.stack([row[name] for row in rows]) for name in rows[0]}
+
+
+def _row(curve: Curve, shape: tuple[int, ...]) -> Block:
+    """Return the variables of one curve; what is not finite never passes as converged."""
+    row: dict[str, Array] = {
+        name: np.asarray(value, dtype=np.float64)
+        for name in AVERAGED
+        if (value := getattr(curve, name)) is not None
+    }
+    lost = ~np.isfinite(row["area"]) | ~np.isfinite(row["separation"])
+    lost |= np.isnan(row["stiffness"])  # inf is full contact
+    converged = curve.status == Status.CONVERGED
+    row["status"] = np.where(lost & converged, Status.NOT_FINITE, curve.status).astype(np.int32)
+    row |= {name: _storable(values) for name, values in curve.diagnostics.items()}
+    for name, values in row.items():
+        if values.shape != shape:
+            raise ValueError(f"{name} has shape {values.shape}, the pressures {shape}")
+    return row
+
+
+def _storable(values: Array) -> Array:
+    """Return a diagnostic in one of the types that the results file knows."""
+    values = np.asarray(values)
+    if values.dtype.kind == "f":
+        return values.astype(np.float64, copy=False)
+    return values.astype(np.int64, copy=False)

@@ -1,0 +1,27 @@
+"""How a run says how far it is, without knowing who listens."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """How far a run is.
+
+    Attributes
+    ----------
+    done, total : int
+        States (one realization at one pressure) computed so far, and in all.
+    text : str
+        What was computed last, such as ``main/bem, realization 3 of 10``.
+    """
+
+    done: int
+    total: int
+    text: str
+
+
+Report = Callable[[Progress], None]
+"""Called from the process and thread that called ``run``, as often as there is news."""

@@ -1,0 +1,330 @@
+"""Results on disk: the only module that knows the layout of the HDF5 file.
+
+A file is built as an image in memory and published in one step, so that a reader finds
+either the old file or the whole new one, whatever happens in between. The bytes depend
+on the results alone: no times, no names of machines.
+
+``/<experiment>/<label>`` holds one model's arrays with dimension scales ``realization``
+and ``pressure``; the root holds ``format``, ``format_version``, ``name``, ``spec`` and
+``spec_sha256``.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from roughbench.errors import StoreError
+from roughbench.models.base import Status
+from roughbench.results import (
+    Array,
+    Attribute,
+    ModelResult,
+    Results,
+    dimensions,
+)
+
+__all__ = ["FORMAT_VERSION", "ModelResult", "Results", "commit", "load", "write_results"]
+
+FORMAT = "roughbench"
+FORMAT_VERSION = 1
+
+_DTYPES = tuple(np.dtype(name) for name in ("f4", "f8", "i4", "i8"))
+_REQUIRED = ("pressure", "status")
+_RERUN = "run its spec again (roughbench run SPEC.yaml)"
+_counter = itertools.count()
+
+
+def write_results(results: Results, path: str | os.PathLike[str]) -> Path:
+    """Write the results file; an existing file is replaced in one step, or left as it is.
+
+    Parameters
+    ----------
+    results : Results
+    path : str or path
+        The folder must exist.
+
+    Returns
+    -------
+    Path
+        ``path``.
+
+    Raises
+    ------
+    StoreError
+        If the file cannot be written.
+    """
+    return commit(_image(results), path)
+
+
+def commit(data: bytes, path: str | os.PathLike[str]) -> Path:
+    """Publish ``data`` as the file ``path``, in one step that survives a power cut.
+
+    Raises
+    ------
+    StoreError
+        If the system refuses (no such folder, no permission, disk full); what stood
+        under ``path`` before is still there.
+    """
+    target = Path(path)
+    temporary = target.with_name(f".{target.name}.{os.getpid()}.{next(_counter)}.tmp")
+    try:
+        try:
+            with temporary.open("xb") as file:
+                file.write(data)
+                file.flush()
+                os.fsync(file.fileno())
+            temporary.replace(target)
+        except BaseException:
+            with contextlib.suppress(OSError):
+                temporary.unlink()
+            raise
+        _sync_folder(target.parent)
+    except OSError as error:
+        raise StoreError(
+            f"cannot write {target}: {error.strerror or error}; "
+            "choose another place with -o, or make room and permission there"
+        ) from error
+    return target
+
+
+def check_writable(path: str | os.PathLike[str]) -> None:
+    """Refuse an output path before hours of work rather than after them.
+
+    Raises
+    ------
+    StoreError
+        If ``path`` is a folder, or its folder is missing or not writable.
+    """
+    target = Path(path)
+    if target.is_dir():
+        raise StoreError(f"cannot write {target}: it is a folder; give a file name in it")
+    if not target.parent.is_dir():
+        raise StoreError(
+            f"cannot write {target}: no such folder {target.parent}; create it first"
+        )
+    if not os.access(target.parent, os.W_OK | os.X_OK):
+        raise StoreError(
+            f"cannot write {target}: no permission in {target.parent}; choose another place"
+        )
+
+
+def load(path: str | os.PathLike[str]) -> Results:
+    """Read a results file.
+
+    Parameters
+    ----------
+    path : str or path
+
+    Returns
+    -------
+    Results
+        Equal to what was written.
+
+    Raises
+    ------
+    StoreError
+        If there is no such file, it is no roughbench results file or one of a newer
+        format, it is damaged, or it refers to other files.
+    """
+    source = Path(path)
+    if not source.exists():
+        raise StoreError(f"{source}: no such file; {_RERUN} or check the name")
+    if source.is_dir():
+        raise StoreError(f"{source}: is a folder; give the results file in it")
+    try:
+        if not h5py.is_hdf5(source):
+            raise StoreError(f"{source}: not an HDF5 file; give a roughbench results file")
+        with h5py.File(source, "r") as file:
+            return _read_root(file, source)
+    except (OSError, KeyError, RuntimeError, ValueError, TypeError) as error:
+        raise StoreError(f"{source}: damaged ({error}); {_RERUN}") from error
+
+
+# -- writing -----------------------------------------------------------------------------
+
+
+def _image(results: Results) -> bytes:
+    """Return the bytes of the results file, built without touching the disk."""
+    with _file_in_memory() as file:
+        file.attrs["format"] = FORMAT
+        file.attrs["format_version"] = FORMAT_VERSION
+        file.attrs["name"] = results.name
+        file.attrs["spec"] = results.spec_text
+        file.attrs["spec_sha256"] = results.spec_sha256
+        for experiment, models in results.experiments.items():
+            parent = _create_group(file, experiment)
+            for label, result in models.items():
+                _write_model(_create_group(parent, label), result)
+        file.flush()
+        image: bytes = file.id.get_file_image()
+    return image
+
+
+@contextlib.contextmanager
+def _file_in_memory() -> Iterator[h5py.File]:
+    """Open a fresh HDF5 file in memory, which keeps the order of its groups, not times."""
+    created = h5py.h5p.create(h5py.h5p.FILE_CREATE)
+    _keep_order_not_times(created)
+    access = h5py.h5p.create(h5py.h5p.FILE_ACCESS)
+    access.set_fapl_core(1 << 20, False)  # noqa: FBT003  (no backing file)
+    access.set_fclose_degree(h5py.h5f.CLOSE_STRONG)
+    # HDF5 wants a name that no other open file of the process has.
+    name = f"roughbench-{os.getpid()}-{next(_counter)}"
+    handle = h5py.h5f.create(name.encode(), h5py.h5f.ACC_TRUNC, fcpl=created, fapl=access)
+    with h5py.File(handle) as file:
+        yield file
+
+
+def _create_group(parent: h5py.Group, name: str) -> h5py.Group:
+    created = h5py.h5p.create(h5py.h5p.GROUP_CREATE)
+    _keep_order_not_times(created)
+    return h5py.Group(h5py.h5g.create(parent.id, name.encode(), gcpl=created))
+
+
+def _keep_order_not_times(properties: h5py.h5p.PropOCID) -> None:
+    properties.set_link_creation_order(h5py.h5p.CRT_ORDER_TRACKED | h5py.h5p.CRT_ORDER_INDEXED)
+    properties.set_obj_track_times(False)
+
+
+def _write_model(group: h5py.Group, result: ModelResult) -> None:
+    group.attrs["kind"] = result.kind
+    group.attrs["title"] = result.title
+    for name, value in result.attributes.items():
+        group.attrs[name] = value
+    for name, values in _with_scales(result).items():
+        # The checksum needs a chunked layout: one chunk holds it all.
+        data = group.create_dataset(name, data=values, chunks=values.shape, fletcher32=True)
+        data.attrs["units"] = result.units(name)
+        data.attrs["long_name"] = result.long_name(name)
+        axes = dimensions(name)
+        if axes == (name,):
+            data.make_scale(name)
+            continue
+        for axis, scale in zip(data.dims, axes, strict=True):
+            axis.attach_scale(group[scale])
+    group["status"].attrs["flag_values"] = np.array([int(s) for s in Status], np.int32)
+    group["status"].attrs["flag_meanings"] = " ".join(s.name.lower() for s in Status)
+
+
+def _with_scales(result: ModelResult) -> dict[str, Array]:
+    """Return the variables of a model, its two dimension scales first."""
+    scales = {
+        "pressure": result["pressure"],
+        "realization": np.arange(result.n_realizations, dtype=np.int64),
+    }
+    variables = scales | dict(result.variables)
+    for name, values in variables.items():
+        if values.dtype not in _DTYPES:
+            raise StoreError(
+                f"{result.label}: {name} has type {values.dtype}; "
+                "store it as float64, float32, int64 or int32"
+            )
+    _check_shapes(variables, result.label)
+    return variables
+
+
+def _sync_folder(folder: Path) -> None:
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+# -- reading -----------------------------------------------------------------------------
+
+
+def _read_root(file: h5py.File, source: Path) -> Results:
+    if file.attrs.get("format") != FORMAT:
+        raise StoreError(
+            f"{source}: an HDF5 file, but not written by roughbench; "
+            "give a results file of 'roughbench run'"
+        )
+    version = int(file.attrs["format_version"])
+    if version > FORMAT_VERSION:
+        raise StoreError(
+            f"{source}: has format version {version}, newer than {FORMAT_VERSION}; "
+            "upgrade roughbench to read it"
+        )
+    experiments = {
+        experiment: {
+            label: _read_model(group, label, source)
+            for label, group in _members(models, h5py.Group, source)
+        }
+        for experiment, models in _members(file, h5py.Group, source)
+    }
+    return Results(
+        experiments=experiments,
+        spec_text=str(file.attrs["spec"]),
+        spec_sha256=str(file.attrs["spec_sha256"]),
+        name=str(file.attrs["name"]),
+    )
+
+
+def _members(
+    group: h5py.Group, wanted: type[h5py.Group | h5py.Dataset], source: Path
+) -> Iterator[tuple[str, h5py.Group | h5py.Dataset]]:
+    """Yield the members of a group; only plain links to the wanted type are followed."""
+    for name in group:
+        if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+            raise StoreError(
+                f"{source}: {group.name}/{name} is a link to another place, which no "
+                f"roughbench file has; {_RERUN}"
+            )
+        member = group[name]
+        if not isinstance(member, wanted):
+            raise ValueError(f"{member.name} should be a {wanted.__name__.lower()}")
+        yield name, member
+
+
+def _read_model(group: h5py.Group, label: str, source: Path) -> ModelResult:
+    attributes = {name: _plain(value) for name, value in group.attrs.items()}
+    kind, title = str(attributes.pop("kind")), str(attributes.pop("title"))
+    size = source.stat().st_size
+    variables: dict[str, Array] = {}
+    for name, data in _members(group, h5py.Dataset, source):
+        if data.external or data.is_virtual:
+            raise StoreError(
+                f"{source}: {data.name} keeps its values in another file, which no "
+                f"roughbench file does; {_RERUN}"
+            )
+        if data.dtype not in _DTYPES or data.nbytes > size:
+            raise ValueError(f"{data.name} claims {data.nbytes} bytes of {data.dtype}")
+        variables[name] = data[()]
+    missing = [name for name in _REQUIRED if name not in variables]
+    if missing:
+        raise ValueError(f"{group.name} lacks {', '.join(missing)}")
+    _check_shapes(variables, group.name)
+    variables.pop("realization", None)
+    return ModelResult(label, kind, title, attributes, variables)
+
+
+def _check_shapes(variables: dict[str, Array], where: str) -> None:
+    shape = variables["status"].shape
+    if len(shape) != 2:
+        raise ValueError(f"{where}: status must have two dimensions, got {len(shape)}")
+    lengths = dict(zip(("realization", "pressure"), shape, strict=True))
+    for name, values in variables.items():
+        wanted = tuple(lengths[axis] for axis in dimensions(name))
+        if values.shape != wanted:
+            raise ValueError(
+                f"{where}: {name} must have the shape {wanted}, got {values.shape}"
+            )
+
+
+def _plain(value: object) -> Attribute:
+    """Return an attribute as a plain Python string or number."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, bytes):
+        return value.decode()
+    if isinstance(value, str | int | float):
+        return value
+    raise ValueError(f"an attribute of type {type(value).__name__}")

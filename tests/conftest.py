@@ -1,0 +1,38 @@
+"""Numerical hygiene for all tests, and the small inputs that several of them share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+
+@pytest.fixture(autouse=True)
+def floating_point_errors_raise() -> Iterator[None]:
+    """Make every overflow, division by zero and invalid operation an error.
+
+    Underflow to zero is right wherever a tail vanishes, and stays silent.
+    """
+    with np.errstate(divide="raise", over="raise", invalid="raise"):
+        yield
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    """Return a seeded random stream."""
+    return np.random.default_rng(20130)
+
+
+@pytest.fixture
+def small_spec() -> dict[str, Any]:
+    """Return a spec that computes in milliseconds: a foundation and Persson's theory."""
+    return {
+        "name": "small",
+        "surface": {"H": 0.7, "q0": 1.0, "qr": 4.0, "q1": 32.0, "slope": 0.1},
+        "pressures": [1e-4, 1e-3, 1e-2],
+        "realizations": 20,
+        "seed": 7,
+        "models": [{"kind": "foundation", "springs": 128}, {"kind": "persson"}],
+    }
