@@ -1,0 +1,19 @@
+"""YAML text → validated, frozen specs; sweeps, overrides, JSON schema, spec hash."""
+
+from __future__ import annotations
+
+from roughbench.spec.loading import Source, load_spec
+from roughbench.spec.model import Spec
+from roughbench.spec.pressures import PressureRange
+from roughbench.spec.schema import json_schema
+from roughbench.spec.surfaces import FileSurface, SelfAffineSurface
+
+__all__ = [
+    "FileSurface",
+    "PressureRange",
+    "SelfAffineSurface",
+    "Source",
+    "Spec",
+    "json_schema",
+    "load_spec",
+]

@@ -1,0 +1,133 @@
+"""What pydantic cannot see: whether the parts of a spec fit each other."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from roughbench.errors import SurfaceError
+from roughbench.models.base import Model
+from roughbench.models.persson import Persson
+from roughbench.spec.surfaces import FileSurface, SelfAffineSurface
+from roughbench.spec.tree import Finding, KeyPath, lookup
+
+# Options that choose a grid for generated heights; heights from a file have one.
+_GRID_OPTIONS = ("grid", "springs", "undersampled")
+
+Numbered = Sequence[tuple[int, Model]]
+
+
+def check_fit(
+    tree: Any, surface: SelfAffineSurface | FileSurface | None, models: Numbered
+) -> Iterator[Finding]:
+    """Yield every misfit between the valid parts of a spec.
+
+    Parameters
+    ----------
+    tree : dict
+        The spec's tree, for what was written and what is a default.
+    surface : SelfAffineSurface, FileSurface or None
+        None if it is not valid by itself.
+    models : sequence of (int, Model)
+        The valid ones, with their places in the list.
+    """
+    yield from _names(tree, models)
+    yield from _deterministic(models)
+    yield from _without_effect(models)
+    if isinstance(surface, SelfAffineSurface):
+        yield from _grids(surface, models)
+    elif isinstance(surface, FileSurface):
+        yield from _file(tree, surface, models)
+
+
+def _names(tree: Any, models: Numbered) -> Iterator[Finding]:
+    first: dict[str, int] = {}
+    for number, model in models:
+        if model.name in first:
+            key = "kind" if lookup(tree, ("models", number, "label")) is None else "label"
+            yield Finding(
+                ("models", number, key),
+                f"models[{first[model.name]}] is named {model.name!r} too; "
+                "give each its own label",
+            )
+        first.setdefault(model.name, number)
+
+
+def _deterministic(models: Numbered) -> Iterator[Finding]:
+    for number, model in models:
+        if model.dimension == 0 and (model.realizations or 1) > 1:
+            yield Finding(
+                ("models", number, "realizations"),
+                f"{model.kind} works on the spectrum and has one realization; remove this",
+            )
+
+
+def _without_effect(models: Numbered) -> Iterator[Finding]:
+    for number, model in models:
+        if not isinstance(model, Persson):
+            continue
+        for option, needs in (("theta", ("max", "blend")), ("m", ("blend",))):
+            if option in model.model_fields_set and model.finite_size not in needs:
+                yield Finding(
+                    ("models", number, option),
+                    f"has no effect with finite_size: {model.finite_size}; remove it, or "
+                    f"choose {' or '.join(needs)}",
+                )
+
+
+def _grids(surface: SelfAffineSurface, models: Numbered) -> Iterator[Finding]:
+    try:
+        with np.errstate(over="raise", divide="raise", invalid="raise"):
+            spectrum = surface.spectrum()
+            sizes = (spectrum.rms_height, spectrum.rms_slope)
+    except (ArithmeticError, SurfaceError):
+        sizes = (math.nan, math.nan)
+    if not all(0.0 < size < math.inf for size in sizes):
+        yield Finding(
+            ("surface",),
+            "the spectrum leaves the range of float64; choose another length unit",
+            "key",
+        )
+        return
+    for number, model in models:
+        if model.dimension == 0:
+            continue
+        try:
+            model.grid_points(spectrum, surface.length)
+        except SurfaceError as error:
+            yield Finding(_grid_option(number, model), str(error))
+        except ArithmeticError:
+            yield Finding(("models", number), "the surface has too many waves for any grid")
+
+
+def _grid_option(number: int, model: Model) -> KeyPath:
+    written = [option for option in _GRID_OPTIONS if option in model.model_fields_set]
+    return ("models", number, *written[:1])
+
+
+def _file(tree: Any, surface: FileSurface, models: Numbered) -> Iterator[Finding]:
+    try:
+        exists = surface.file.is_file()
+    except OSError:
+        exists = False
+    if not exists:
+        yield Finding(("surface", "path"), f"no such file: {surface.file}")
+    if (lookup(tree, ("realizations",)) or 1) != 1:
+        yield Finding(("realizations",), "heights from a file are one realization; remove this")
+    for number, model in models:
+        where = ("models", number)
+        if model.dimension > 0 and (model.realizations or 1) != 1:
+            message = "heights from a file are one realization; remove this"
+            yield Finding((*where, "realizations"), message)
+        for option in _GRID_OPTIONS:
+            if option in model.model_fields_set:
+                message = "has no meaning for heights from a file, which bring their grid"
+                yield Finding((*where, option), f"{message}; remove this")
+        if isinstance(model, Persson) and model.finite_size != "none":
+            yield Finding(
+                (*where, "finite_size"),
+                "needs H and qr, which heights from a file do not have; choose none",
+            )

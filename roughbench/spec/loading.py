@@ -1,0 +1,225 @@
+"""``load_spec``: from a file, a text or a dict to a frozen spec, or to all its faults."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import TypeAdapter, ValidationError
+
+from roughbench.errors import Fault, SpecError
+from roughbench.models.base import Model
+from roughbench.spec import sweep
+from roughbench.spec.checks import check_fit
+from roughbench.spec.messages import translate, without_echoes
+from roughbench.spec.model import AnyModel, Spec
+from roughbench.spec.overrides import apply_overrides
+from roughbench.spec.reading import MAX_CHARACTERS, Document, Place, read_yaml
+from roughbench.spec.surfaces import FileSurface, SelfAffineSurface, Surface
+from roughbench.spec.tree import Finding, KeyPath, freeze, plain, render, suggestion
+
+_SURFACE: TypeAdapter[SelfAffineSurface | FileSurface] = TypeAdapter(Surface)
+_MODEL: TypeAdapter[Model] = TypeAdapter(AnyModel)
+
+Source = str | os.PathLike[str] | Mapping[str, Any] | Spec
+
+
+@dataclass(slots=True)
+class _Given:
+    """A spec as it was given, and where each part of it came from."""
+
+    document: Document
+    name: str = "spec"
+    folder: Path = Path()
+    source: str = ""
+    text: str | None = None
+    overrides: dict[KeyPath, str] = field(default_factory=dict)
+
+
+def load_spec(source: Source, overrides: Sequence[str] = ()) -> Spec:
+    """Return the spec that ``source`` describes.
+
+    Parameters
+    ----------
+    source : path, str, mapping or Spec
+        A file; or YAML text (a str of several lines, or one that starts with ``{``); or
+        the same as a mapping. Relative paths of height files start at the file's folder,
+        else at the current one.
+    overrides : sequence of str
+        ``key=value`` each, as behind ``--set`` on the command line.
+
+    Returns
+    -------
+    Spec
+
+    Raises
+    ------
+    SpecError
+        With every fault of the spec, each with line and column where a text is at hand.
+
+    Examples
+    --------
+    >>> spec = load_spec('''
+    ... surface: {H: 0.7, q0: 1, q1: 128, slope: 0.1}
+    ... pressures: {min: 1e-5, max: 0.2, points: 20}
+    ... models:
+    ...   - kind: persson
+    ... ''', overrides=["surface.qr=8"])
+    >>> spec.surface.q_rolloff, len(spec.pressures), spec.models[0].name
+    (8.0, 20, 'persson')
+    """
+    if isinstance(source, Spec):
+        if not overrides:
+            return source
+        given = _Given(Document(source.as_given()), source.name, source._folder)  # noqa: SLF001
+    elif isinstance(source, Mapping):
+        given = _from_mapping(source)
+    elif isinstance(source, str) and ("\n" in source or source.lstrip().startswith("{")):
+        given = _Given(read_yaml(source), text=source)
+    else:
+        given = _from_file(source)
+    return _build(given, overrides)
+
+
+def _from_mapping(source: Mapping[str, Any]) -> _Given:
+    tree, findings = plain(source)
+    given = _Given(Document(tree))
+    if findings:
+        raise SpecError([_fault(finding, given) for finding in findings])
+    return given
+
+
+def _from_file(source: str | os.PathLike[str]) -> _Given:
+    name = os.fspath(source)
+    try:
+        path = Path(name)
+        with path.open("rb") as stream:
+            data = stream.read(4 * MAX_CHARACTERS + 1)
+        text = data.decode("utf-8-sig")
+    except FileNotFoundError:
+        near = suggestion(path.name, _neighbours(path))
+        hint = f" (did you mean {str(path.with_name(near))!r}?)" if near else ""
+        raise SpecError([Fault(f"no such file{hint}", source=name)]) from None
+    except UnicodeDecodeError as error:
+        before = data[: error.start]
+        line, column = before.count(b"\n") + 1, error.start - before.rfind(b"\n")
+        message = "is not UTF-8 text; save it as UTF-8"
+        raise SpecError([Fault(message, "", line, column, name)]) from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        shown = name.encode("unicode_escape").decode()
+        raise SpecError([Fault(f"cannot be read: {reason}", source=shown)]) from None
+    return _Given(read_yaml(text), path.stem, path.parent, name, text)
+
+
+def _neighbours(path: Path) -> list[str]:
+    try:
+        return [entry.name for entry in path.parent.iterdir()]
+    except OSError:
+        return []
+
+
+def _build(given: _Given, overrides: Sequence[str]) -> Spec:
+    document = given.document
+    faults = [
+        Fault(f.message, render(f.path), f.place.line, f.place.column, given.source)
+        for f in document.faults
+    ]
+    if not document.complete:
+        raise SpecError(faults)
+    tree = document.tree
+    if not isinstance(tree, Mapping):
+        got = "is empty" if tree is None else "must be a mapping"
+        message = f"{got}; a spec has at least surface, pressures and models"
+        if not faults:
+            faults.append(_fault(Finding((), message), given))
+        raise SpecError(faults)
+
+    tree, given.overrides, override_faults = apply_overrides(tree, overrides)
+    tree = {"name": _default_name(given.name), **tree}
+    text = None if overrides else given.text
+    spec, findings = _validate(tree, {"folder": given.folder, "text": text})
+    findings += _validate_sweep(tree, findings, given.folder)
+    faults += [_fault(f, given) for f in findings if not _refused(f.path, document.refused)]
+    faults.sort(key=lambda fault: (fault.source != given.source, fault.line, fault.column))
+    faults += override_faults
+    if faults or spec is None:
+        raise SpecError(list(dict.fromkeys(faults)))
+    return spec
+
+
+def _default_name(name: str) -> str:
+    """Name a spec without a name after its file, as far as its letters allow."""
+    safe = re.sub(r"[^A-Za-z0-9_.+-]", "_", name)[:100]
+    return safe if safe[:1].isalnum() else "spec"
+
+
+def _validate(tree: Any, context: Mapping[str, Any]) -> tuple[Spec | None, list[Finding]]:
+    """Validate one tree; parts that are valid are checked against each other anyway."""
+    spec: Spec | None = None
+    findings: list[Finding] = []
+    frozen = freeze(tree)
+    try:
+        spec = Spec.model_validate(frozen, context=context)
+    except ValidationError as error:
+        translated = (translate(e, tree) for e in error.errors(include_url=False))
+        # The sweep is checked by sweep.check, which knows what its keys mean.
+        findings = [f for f in translated if f is not None and f.path[:1] != ("sweep",)]
+    surface = _part(_SURFACE, frozen.get("surface"), context)
+    given = frozen.get("models")
+    models = [
+        (number, model)
+        for number, entry in enumerate(given if isinstance(given, tuple) else ())
+        if (model := _part(_MODEL, entry, context)) is not None
+    ]
+    findings += check_fit(tree, surface, models)
+    return spec, without_echoes(findings, tree)
+
+
+def _validate_sweep(tree: Any, known: Sequence[Finding], folder: Path) -> list[Finding]:
+    """Return what is wrong with the sweep, or with a combination of its values."""
+    findings = sweep.check(tree)
+    if findings or not tree.get("sweep"):
+        return findings
+    seen = set(known)
+    for variant in sweep.variants(tree):
+        for finding in _validate(variant.tree, {"folder": folder})[1]:
+            if finding not in seen:
+                seen.add(finding)
+                findings.append(sweep.blame(finding, variant))
+    return findings
+
+
+_Part = TypeVar("_Part")
+
+
+def _part(adapter: TypeAdapter[_Part], tree: Any, context: Mapping[str, Any]) -> _Part | None:
+    try:
+        return adapter.validate_python(tree, context=context)
+    except ValidationError:
+        return None
+
+
+def _refused(path: KeyPath, refused: set[KeyPath]) -> bool:
+    """Whether a fault at ``path`` only repeats that the text there was refused."""
+    return any(path[: len(other)] == other or other[: len(path)] == path for other in refused)
+
+
+def _fault(finding: Finding, given: _Given) -> Fault:
+    path, document = finding.path, given.document
+    subject = render(path)
+    for depth in range(len(path), 0, -1):
+        if path[:depth] in given.overrides:
+            return Fault(finding.message, subject, source=given.overrides[path[:depth]])
+    place = document.values.get(path) if finding.at == "value" else None
+    if finding.at == "key":
+        place = document.keys.get(path, document.values.get(path))
+    while place is None and path:  # a missing key stands at its parent's
+        path = path[:-1]
+        place = document.keys.get(path, document.values.get(path))
+    place = place or Place()
+    return Fault(finding.message, subject, place.line, place.column, given.source)

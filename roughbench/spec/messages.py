@@ -1,0 +1,169 @@
+"""Pydantic's findings in the words of the spec: what is wrong, what was given, what to do."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
+
+from roughbench.models import MODELS
+from roughbench.spec.model import Spec
+from roughbench.spec.pressures import PressureRange
+from roughbench.spec.surfaces import FileSurface, SelfAffineSurface
+from roughbench.spec.tree import Finding, KeyPath, did_you_mean, lookup, show, suggestion
+
+SURFACES: dict[str, type[BaseModel]] = {"self-affine": SelfAffineSurface, "file": FileSurface}
+
+_BOUNDS = {
+    "greater_than": ("greater than", "gt"),
+    "greater_than_equal": ("at least", "ge"),
+    "less_than": ("less than", "lt"),
+    "less_than_equal": ("at most", "le"),
+}
+_TYPES = {
+    "float_type": "a number",
+    "bool_type": "true or false",
+    "string_type": "text",
+    "tuple_type": "a list",
+    "model_type": "a mapping",
+}
+
+
+def translate(error: ErrorDetails, tree: Any) -> Finding | None:
+    """Return one of pydantic's errors as a finding, None if it only follows from others.
+
+    Parameters
+    ----------
+    error : ErrorDetails
+        Of the validation of :class:`Spec`.
+    tree : dict
+        What was validated.
+    """
+    path, kind, context = _path(error["loc"]), error["type"], error.get("ctx", {})
+    if kind == "default_factory_not_called" or (kind == "too_short" and error["input"]):
+        return None
+    if kind == "parent":
+        return Finding(path[:-1], error["msg"], "key")
+    if kind == "child":
+        return Finding((*path, context["part"]), error["msg"])
+    if kind == "extra_forbidden":
+        return Finding(path, f"unknown key{_known_keys(path, tree)}", "key")
+    if kind == "missing":
+        return Finding(path, f"is missing{_description(path, tree)}", "parent")
+    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        return _wrong_form(path, error["input"])
+    return Finding(path, _value_message(error))
+
+
+def _value_message(error: ErrorDetails) -> str:
+    kind, context = error["type"], error.get("ctx", {})
+    got = error["input"]
+    if kind in _BOUNDS:
+        word, key = _BOUNDS[kind]
+        return f"must be {word} {context[key]:g}, got {show(got)}"
+    if kind in _TYPES:
+        return f"must be {_TYPES[kind]}, got {show(got)}"
+    if kind == "int_type":
+        whole = isinstance(got, float) and got.is_integer()
+        return f"must be an integer, got {show(got)}" + (
+            f" (write {int(got)})" if whole else ""
+        )
+    if kind == "literal_error":
+        return _choice(context["expected"], got)
+    if kind == "string_pattern_mismatch":
+        letters = "a letter or digit first, then letters, digits and any of _.+-"
+        return f"must have {letters}, got {show(got)}"
+    if kind in ("too_short", "string_too_short"):
+        return "must not be empty"
+    if kind in ("too_long", "string_too_long"):
+        things = "entries" if kind == "too_long" else "characters"
+        return f"must have at most {context['max_length']} {things}"
+    if kind == "value_error":  # raised by our own validators
+        return str(context["error"])
+    message = error["msg"][:1].lower() + error["msg"][1:]
+    return f"{message}, got {show(got)}"
+
+
+def without_echoes(findings: list[Finding], tree: Any) -> list[Finding]:
+    """Leave out the missing keys that only miss because they are misspelt."""
+    meant = set()
+    for finding in findings:
+        if finding.message.startswith("unknown key"):
+            *parent, word = finding.path
+            near = _meant(str(word), fields_at(tuple(parent), tree))
+            meant.add((*parent, near))
+    scales = {(*path[:-1],) for path in meant if path[-1] in ("slope", "rms_height")}
+    return [
+        finding
+        for finding in findings
+        if not (finding.at == "parent" and finding.path in meant)
+        and not (finding.path in scales and finding.message.endswith("got none"))
+    ]
+
+
+def fields_at(path: KeyPath, tree: Any) -> dict[str, tuple[str, FieldInfo]]:
+    """Return the fields of the mapping at ``path``: name in the spec → name, field."""
+    owner: type[BaseModel] | None = None
+    if path == ():
+        owner = Spec
+    elif path == ("surface",):
+        owner = SURFACES.get(lookup(tree, ("surface", "kind")) or "self-affine")
+    elif path == ("pressures",):
+        owner = PressureRange
+    elif len(path) == 2 and path[0] == "models":
+        owner = MODELS.get(lookup(tree, (*path, "kind")))
+    fields = owner.model_fields if owner else {}
+    return {field.alias or name: (name, field) for name, field in fields.items()}
+
+
+def _path(loc: tuple[str | int, ...]) -> KeyPath:
+    """Leave out the names of union members, which pydantic puts into the location."""
+    if loc[:1] in (("surface",), ("pressures",)):
+        return loc[:1] + loc[2:]
+    return loc[:2] + loc[3:] if loc[:1] == ("models",) else loc
+
+
+def _wrong_form(path: KeyPath, got: Any) -> Finding:
+    if path == ("pressures",):
+        forms = "a list, or a mapping with min, max and points"
+        return Finding(path, f"must be {forms}, got {show(got)}")
+    if not isinstance(got, Mapping):
+        return Finding(path, f"must be a mapping, got {show(got)}")
+    known = [*(MODELS if path[0] == "models" else SURFACES)]
+    path = (*path, "kind")
+    if "kind" not in got:
+        return Finding(path, f"is missing; known here: {', '.join(known)}", "parent")
+    if not isinstance(got["kind"], str):
+        return Finding(path, f"must be one of {', '.join(known)}, got {show(got['kind'])}")
+    return Finding(path, f"unknown kind {show(got['kind'])}{did_you_mean(got['kind'], known)}")
+
+
+def _meant(word: str, fields: Mapping[str, tuple[str, FieldInfo]]) -> str | None:
+    """Words of the Python interface, such as ``hurst``, lead to those of the spec."""
+    candidates = {alias: alias for alias in fields}
+    candidates |= {name: alias for alias, (name, _) in fields.items()}
+    near = suggestion(word, candidates)
+    return candidates[near] if near else None
+
+
+def _known_keys(path: KeyPath, tree: Any) -> str:
+    fields = fields_at(path[:-1], tree)
+    near = _meant(str(path[-1]), fields)
+    return f" (did you mean {near!r}?)" if near else f"; known here: {', '.join(fields)}"
+
+
+def _description(path: KeyPath, tree: Any) -> str:
+    entry = fields_at(path[:-1], tree).get(str(path[-1]))
+    return f" ({entry[1].description.rstrip('.')})" if entry and entry[1].description else ""
+
+
+def _choice(expected: str, got: Any) -> str:
+    choices = re.findall(r"'([^']*)'", expected)
+    near = suggestion(got, choices) if isinstance(got, str) else None
+    return f"must be {' or '.join(choices)}, got {show(got)}" + (
+        f" (did you mean {near!r}?)" if near else ""
+    )

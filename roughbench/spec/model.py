@@ -1,0 +1,138 @@
+"""The frozen spec that everything downstream works from."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Union
+
+from pydantic import BaseModel, Discriminator, Field, PrivateAttr, Tag
+
+from roughbench.models import MODELS
+from roughbench.models.base import Model
+from roughbench.spec import sweep
+from roughbench.spec.pressures import PressureRange, Pressures
+from roughbench.spec.surfaces import STRICT, Surface
+from roughbench.spec.tree import freeze
+from roughbench.spec.yaml12 import dump
+
+
+def _model_kind(value: object) -> str | None:
+    kind = value.get("kind") if isinstance(value, dict) else getattr(value, "kind", None)
+    return kind if isinstance(kind, str) or kind is None else repr(kind)
+
+
+if TYPE_CHECKING:
+    AnyModel = Model
+else:
+    AnyModel = Annotated[
+        Union[tuple(Annotated[cls, Tag(kind)] for kind, cls in MODELS.items())],  # noqa: UP007
+        Discriminator(_model_kind),
+    ]
+    """One of the registered contenders, chosen by its kind."""
+
+
+class Spec(BaseModel):
+    """What to compute: surfaces, pressures, models, how many realizations.
+
+    Made by :func:`roughbench.spec.load_spec`, which checks all of it and says where the
+    faults are. Two specs are equal when they ask for the same computation.
+    """
+
+    model_config = STRICT
+
+    name: str = Field(
+        pattern=r"^[A-Za-z0-9][A-Za-z0-9_.+-]*$",
+        max_length=100,
+        description="Names the run and its files; default: the name of the spec's file.",
+    )
+    surface: Surface = Field(description="The roughness.")
+    given_pressures: Pressures = Field(
+        alias="pressures", description="Pressures p/E*: a range, or a list."
+    )
+    realizations: int = Field(default=1, ge=1, description="Surfaces in the ensemble.")
+    seed: int = Field(default=0, ge=0, description="Seed of the random phases.")
+    models: tuple[AnyModel, ...] = Field(min_length=1, description="The contenders.")
+    sweep: Mapping[str, tuple[Any, ...]] = Field(
+        default={},
+        description="Key path → list of values; every combination is one experiment.",
+    )
+
+    _text: str | None = PrivateAttr(default=None)
+    _folder: Path = PrivateAttr(default=Path())
+
+    def model_post_init(self, context: Any) -> None:
+        """Keep the text and the folder of the file that the spec came from."""
+        if isinstance(context, dict):
+            self._text = context.get("text")
+            self._folder = Path(context.get("folder", ""))
+
+    @property
+    def pressures(self) -> tuple[float, ...]:
+        """Pressures p/E*, ascending."""
+        given = self.given_pressures
+        return given.values() if isinstance(given, PressureRange) else tuple(sorted(given))
+
+    @property
+    def text(self) -> str:
+        """The YAML text: as it was given, or written anew where no text says it all."""
+        return dump(self.as_given()) if self._text is None else self._text
+
+    @property
+    def sha256(self) -> str:
+        """Hash of what is to be computed; blind to the name, formatting, written defaults.
+
+        Heights in a file count by the path as written, not by their content.
+        """
+        canonical = json.dumps(self.resolved(), sort_keys=True, separators=(",", ":"))
+        return hashlib.sha256(canonical.encode()).hexdigest()
+
+    def as_given(self) -> dict[str, Any]:
+        """Return the tree of what the spec says, without defaults."""
+        return _listed(self.model_dump(by_alias=True, exclude_unset=True))
+
+    def resolved(self) -> dict[str, Any]:
+        """Return the tree of each experiment with all defaults, without the name."""
+        return {
+            name: _listed(
+                spec.model_dump(by_alias=True, exclude_none=True, exclude={"name", "sweep"})
+            )
+            for name, spec in self.experiments()
+        }
+
+    def experiments(self) -> list[tuple[str, Spec]]:
+        """Expand the sweep: name and spec of every experiment, in the order written.
+
+        Returns
+        -------
+        list of (str, Spec)
+            One spec without a sweep for each; a spec that sweeps nothing is ``main``.
+        """
+        if not self.sweep:
+            return [("main", self)]
+        tree = self.as_given()
+        context = {"folder": self._folder}
+        specs = [
+            (variant, Spec.model_validate(freeze(variant.tree), context=context))
+            for variant in sweep.variants(tree)
+        ]
+        names = sweep.names(
+            [(variant, spec.model_dump(by_alias=True)) for variant, spec in specs]
+        )
+        return [(name, spec) for name, (_, spec) in zip(names, specs, strict=True)]
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Spec):
+            return NotImplemented
+        return self.resolved() == other.resolved()
+
+    def __hash__(self) -> int:
+        return hash(self.sha256)
+
+
+def _listed(tree: Any) -> Any:
+    if isinstance(tree, dict):
+        return {key: _listed(value) for key, value in tree.items()}
+    return [_listed(value) for value in tree] if isinstance(tree, tuple) else tree

@@ -1,0 +1,183 @@
+"""The surface of a spec: a self-affine spectrum, or heights from a file."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Discriminator,
+    Field,
+    PrivateAttr,
+    Tag,
+    ValidationInfo,
+    field_validator,
+)
+from pydantic_core import PydanticCustomError
+
+from roughbench.spectrum import BelowRolloff, Spectrum, self_affine
+from roughbench.surface import Amplitude
+
+STRICT = ConfigDict(frozen=True, strict=True, extra="forbid", allow_inf_nan=False)
+
+# Wavevectors are user input: 2π/q0 may be off in its last digits and still mean 2π/q0.
+_ROUNDING = 1e-9
+
+
+class SelfAffineSurface(BaseModel):
+    """A surface with C2D ∝ q^(-2-2H) between the roll-off and the cut-off."""
+
+    model_config = STRICT
+
+    kind: Literal["self-affine"] = Field(default="self-affine", description="Which surface.")
+    hurst: float = Field(alias="H", gt=0.0, lt=1.0, description="Hurst exponent, 0 < H < 1.")
+    q_min: float = Field(
+        alias="q0", gt=0.0, description="Smallest wavevector q0 of the roughness, 1/length."
+    )
+    q_rolloff: float = Field(
+        alias="qr",
+        gt=0.0,
+        default_factory=lambda data: data.get("q_min", 1.0),
+        description="Roll-off wavevector, q0 <= qr < q1, 1/length; default q0.",
+    )
+    q_max: float = Field(
+        alias="q1", gt=0.0, description="Largest wavevector q1 of the roughness, 1/length."
+    )
+    rms_slope: float | None = Field(
+        alias="slope",
+        default=None,
+        gt=0.0,
+        description="Rms slope √⟨|∇h|²⟩; give exactly one of slope and rms_height.",
+    )
+    rms_height: float | None = Field(
+        default=None,
+        gt=0.0,
+        validate_default=True,
+        description="Rms height, length; give exactly one of slope and rms_height.",
+    )
+    below_rolloff: BelowRolloff = Field(
+        alias="below_qr",
+        default="rolloff",
+        description="Spectrum between q0 and qr: rolloff (flat) or cutoff (zero).",
+    )
+    amplitude: Amplitude = Field(
+        default="fixed",
+        description="Mode amplitudes: fixed (random phases) or gaussian (complex normal).",
+    )
+    length: float = Field(
+        gt=0.0,
+        default_factory=lambda data: 2.0 * math.pi / data.get("q_min", 1.0),
+        description="Side of the periodic cell, at least 2π/q0; default 2π/q0.",
+    )
+
+    @field_validator("q_rolloff")
+    @classmethod
+    def _above_q_min(cls, value: float, info: ValidationInfo) -> float:
+        q_min = info.data.get("q_min")
+        if q_min is not None and value < q_min:
+            raise ValueError(f"must be at least q0 = {q_min}, got {value}")
+        return value
+
+    @field_validator("q_max")
+    @classmethod
+    def _above_rolloff(cls, value: float, info: ValidationInfo) -> float:
+        for key, name in (("q_rolloff", "qr"), ("q_min", "q0")):
+            if value <= info.data.get(key, 0.0):
+                raise ValueError(f"must be greater than {name} = {info.data[key]}, got {value}")
+        return value
+
+    @field_validator("rms_height")
+    @classmethod
+    def _exactly_one_scale(cls, value: float | None, info: ValidationInfo) -> float | None:
+        if "rms_slope" in info.data and (info.data["rms_slope"] is None) == (value is None):
+            got = "none" if value is None else "both"
+            raise PydanticCustomError(
+                "parent",  # the fault stands at the surface, not at the missing key
+                "give exactly one of slope and rms_height, got {got}",
+                {"got": got, "keys": ("slope", "rms_height")},
+            )
+        return value
+
+    @field_validator("length")
+    @classmethod
+    def _holds_longest_wave(cls, value: float, info: ValidationInfo) -> float:
+        q_min = info.data.get("q_min")
+        if q_min is not None and value < 2.0 * math.pi / q_min * (1.0 - _ROUNDING):
+            raise ValueError(
+                f"must be at least 2π/q0 = {2.0 * math.pi / q_min}, the longest wave, "
+                f"got {value}"
+            )
+        return value
+
+    def spectrum(self) -> Spectrum:
+        """Return C2D(q) with its moments."""
+        return self_affine(
+            hurst=self.hurst,
+            q_min=self.q_min,
+            q_rolloff=self.q_rolloff,
+            q_max=self.q_max,
+            rms_slope=self.rms_slope,
+            rms_height=self.rms_height,
+            below_rolloff=self.below_rolloff,
+        )
+
+
+class FileSurface(BaseModel):
+    """Heights from a ``.npy`` file or from a dataset of an HDF5 file."""
+
+    model_config = STRICT
+
+    kind: Literal["file"] = Field(description="Which surface.")
+    path: str = Field(
+        min_length=1,
+        description="heights.npy, or heights.h5:/dataset; relative to the folder of the spec.",
+    )
+    length: float = Field(gt=0.0, description="Side of the periodic cell, the heights' unit.")
+
+    _folder: Path = PrivateAttr(default=Path())
+
+    def model_post_init(self, context: Any) -> None:
+        """Remember the folder that relative paths start from."""
+        if isinstance(context, dict):
+            self._folder = Path(context.get("folder", ""))
+
+    @field_validator("path")
+    @classmethod
+    def _known_format(cls, value: str) -> str:
+        if "\0" in value:
+            raise ValueError("must name a file, got one with a NUL character")
+        if value.endswith((".h5", ".hdf5")):
+            raise ValueError(f"must name the dataset too, as in {value}:/heights")
+        if not value.endswith(".npy") and not value.rpartition(":/")[0]:
+            raise ValueError(f"must name heights.npy or heights.h5:/dataset, got {value!r}")
+        return value
+
+    @property
+    def folder(self) -> Path:
+        """Where a relative path starts."""
+        return self._folder
+
+    @property
+    def file(self) -> Path:
+        """The file that holds the heights."""
+        name, colon, _ = self.path.rpartition(":/")
+        return self._folder / (name if colon else self.path)
+
+
+def _surface_kind(value: object) -> str | None:
+    if isinstance(value, (SelfAffineSurface, FileSurface)):
+        return value.kind
+    if not isinstance(value, dict):
+        return None
+    kind = value.get("kind", "self-affine")
+    return kind if isinstance(kind, str) else repr(kind)
+
+
+Surface = Annotated[
+    Annotated[SelfAffineSurface, Tag("self-affine")] | Annotated[FileSurface, Tag("file")],
+    Discriminator(_surface_kind),
+]
+"""Either surface; a spec that names no kind means the self-affine one."""
