@@ -135,8 +135,8 @@ class Spectrum:
 
     def psd_1d(self, q: ArrayLike) -> FloatArray:
         """C1D(q) = π |q| C2D(|q|) of the mapped line, two-sided, length³."""
-        q = np.abs(np.asarray(q, float))
-        return np.pi * q * self.psd_2d(q)
+        size = np.abs(np.asarray(q, float))
+        return np.pi * size * self.psd_2d(size)
 
     def moment(self, order: float, q_max: float | None = None) -> float:
         r"""M_k = 2π∫q^{1+k} C2D dq up to ``q_max`` (default: all of it).

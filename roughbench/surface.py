@@ -209,7 +209,8 @@ def _unit_modes(
     if amplitude == "fixed":
         return np.exp(2j * np.pi * generator.random(count))
     normal = generator.standard_normal((count, 2))
-    return (normal[:, 0] + 1j * normal[:, 1]) / math.sqrt(2.0)
+    unit: NDArray[np.complex128] = normal.view(np.complex128)[:, 0] / math.sqrt(2.0)
+    return unit
 
 
 def rms_height_and_slope(heights: FloatArray, length: float) -> tuple[float, float]:

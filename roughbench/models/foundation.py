@@ -61,9 +61,11 @@ class _Events:
 
     pressure: FloatArray
     """p/E* at which spring k touches, shape (N,), k = 1 … N."""
+    compressed: FloatArray
+    """Σδ over the springs in contact, shape (N,)."""
     depth: FloatArray
     """Depth of spring k below the highest, shape (N,)."""
-    stretched: FloatArray
+    squared: FloatArray
     """Σδ² over the springs in contact, shape (N,)."""
     gap: FloatArray
     """Σ(d - h) over the springs out of contact, shape (N,)."""
@@ -87,16 +89,17 @@ def _events(heights: ArrayLike, length: float, ends: Ends) -> _Events:
     step = np.diff(depth)
     k = np.arange(1, n)
     # Lowering the plane by one step compresses k springs, and lowers it towards N - k.
-    compressed, stretched, gap = np.empty(n), np.empty(n), np.empty(n)
+    compressed, squared, gap = np.empty(n), np.empty(n), np.empty(n)
     accumulate(k * step, compressed)
-    accumulate(step * (2.0 * compressed[:-1] + k * step), stretched)
+    accumulate(step * (2.0 * compressed[:-1] + k * step), squared)
     accumulate(((n - k) * step)[::-1], gap)
     regions, squares = np.empty(n + 1, np.int64), np.empty(n + 1, np.int64)
     grow_regions(order, ends == "periodic", regions, squares)
     return _Events(
         pressure=(4.0 / math.pi) * compressed / (n * length),
+        compressed=compressed,
         depth=depth,
-        stretched=stretched,
+        squared=squared,
         gap=gap[::-1],
         regions=regions,
         squares=squares,
@@ -175,28 +178,30 @@ def foundation_curve(
     """
     p = checked_pressures(pressures)
     side = checked_length(length)
-    events = _events(heights, side, ends)
+    with np.errstate(under="ignore"):
+        return _evaluate(_events(heights, side, ends), p, side)
+
+
+def _evaluate(events: _Events, p: FloatArray, length: float) -> Curve:
     n = events.depth.size
     k = np.searchsorted(events.pressure, p, side="right")
     last = k - 1  # the event before p; the first one is at p = 0
     # From there on k springs take up the load, and the plane goes down by `sink`.
-    compressed = (math.pi / 4.0) * n * side * (p - events.pressure[last])
+    compressed = (math.pi / 4.0) * n * length * (p - events.pressure[last])
     sink = compressed / k
-    start = events.depth[last]
     following = np.minimum(k, n - 1)  # at full contact there is none, and n - k = 0
-    room = np.maximum(events.depth[following] - start - sink, 0.0)
-    gap = np.where(k < n, events.gap[following] + (n - k) * room, 0.0)
-    before = (math.pi / 4.0) * n * side * events.pressure[last]
-    squared = events.stretched[last] + sink * (2.0 * before + compressed)
+    room = events.depth[following] - events.depth[last] - sink
+    gap = np.where(k < n, events.gap[following] + (n - k) * np.maximum(room, 0.0), 0.0)
+    squared = events.squared[last] + sink * (2.0 * events.compressed[last] + compressed)
     stiffness = np.full(p.shape, math.inf)
     partial = k < n
-    stiffness[partial] = (4.0 / (math.pi * side)) * k[partial] / (n - k[partial])
+    stiffness[partial] = (4.0 / (math.pi * length)) * k[partial] / (n - k[partial])
     return Curve(
         pressure=p,
         area=events.squares[k] / float(n) ** 2,
         separation=gap / n,
         stiffness=stiffness,
-        energy=2.0 / (math.pi * side) * squared / n,
+        energy=2.0 / (math.pi * length) * squared / n,
         status=np.full(p.shape, Status.CONVERGED, np.int32),
         diagnostics={
             "springs_in_contact": k.astype(np.int64),

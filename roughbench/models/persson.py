@@ -23,8 +23,8 @@ parts
 
 so that :math:`\Phi`, with its logarithm, is never needed and every term is positive.
 Panels of eight Gauss-Legendre points are halved until on each the wavevector and the
-slope change by less than given factors (:data:`_PANEL`), finer where :math:`e^{-x^2}`
-lives at high pressure. They count :math:`\ln(q - q_0)` on the first segment, where the
+slope change by less than a given factor, finer where :math:`e^{-x^2}` lives at high
+pressure. They count :math:`\ln(q - q_0)` on the first segment, where the
 slope starts as :math:`\sqrt{q - q_0}`, and :math:`\ln q` after it; moments come from
 :func:`~roughbench.spectrum.power_integral`, so nothing cancels near q0.
 """
@@ -36,137 +36,21 @@ from dataclasses import dataclass, replace
 from typing import ClassVar, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydantic import Field
 
 from roughbench.errors import SolverError, SurfaceError
 from roughbench.models._checks import checked_length, checked_pressures
+from roughbench.models._persson_quadrature import Quadrature, make_quadrature
 from roughbench.models.base import Curve, FloatArray, Model, Sample, Status
-from roughbench.spectrum import Spectrum, power_integral
+from roughbench.spectrum import Spectrum
 
 FiniteSize = Literal["none", "max", "blend"]
 
-_POINTS = 8
-_PANEL = 0.35
-"""Largest logarithmic width of a panel, in q and in ξ."""
-_ONSET = 1e-26
-"""(q - q0)/q0 where the panels start: what lies below is 1e-13 of the integrals."""
-_TOUCH = 30.0
-"""Argument x of e^{-x²} past which nothing is left: the panels start where x is larger."""
 _J0 = 0.4071249346343892
 """∫_0^∞ erf² t e^{-t²} dt/t = (2/π)∫_0^1 ln(2 + s²)/(1 + s²) ds."""
 _BLOCK = 1 << 17
 """Points times pressures evaluated at once, so that they stay in the cache."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Quadrature:
-    """Points ξ and the weights of the three integrals over them."""
-
-    slope: FloatArray
-    stiffness: FloatArray
-    """√π q² C w dq = dB."""
-    separation: FloatArray
-    """[B(q1) - B] d ln ξ."""
-    energy: FloatArray
-    """(π/2) q² C dq."""
-    slope_end: float
-    """ξ(q1)."""
-    total: float
-    """B(q1)."""
-
-
-def _quadrature(
-    spectrum: Spectrum, lowest_pressure: float = math.inf, halvings: int = 0
-) -> _Quadrature:
-    """Lay the panels; ``halvings`` more than needed, to test the convergence."""
-    power = np.asarray(spectrum.prefactors, float)
-    rough = power > 0.0
-    if not rough.any():
-        raise SurfaceError("the spectrum has no power: Persson's theory needs a rough surface")
-    c = power[rough]
-    lower = np.asarray(spectrum.edges[:-1], float)[rough]
-    width = np.asarray(spectrum.edges[1:], float)[rough] / lower - 1.0
-    exponent = np.asarray(spectrum.exponents, float)[rough]
-    n = 4.0 - exponent
-    gain = 2.0 * np.pi * c * power_integral(lower, width, n)
-    base = np.concatenate([[0.0], np.cumsum(gain)])[:-1]
-    end = float(base[-1] + gain[-1])
-
-    def stretch(i: NDArray[np.int64], t: FloatArray) -> FloatArray:
-        """Return q/lower - 1 of segment i; t = ln of it on the first, ln(q/lower) else."""
-        return np.where(i == 0, np.exp(t), np.expm1(t))
-
-    def slope_squared(i: NDArray[np.int64], t: FloatArray) -> FloatArray:
-        return base[i] + 2.0 * np.pi * c[i] * power_integral(lower[i], stretch(i, t), n[i])
-
-    segment = np.arange(c.size)
-    right = np.log1p(width)
-    right[0] = math.log(width[0])
-    left = np.zeros(c.size)
-    # ξ² = 2πC q0^n x at the onset x; e^{-2p²/ξ²} must be gone there, or ξ negligible.
-    touch = 2.0 * (lowest_pressure / _TOUCH) ** 2 / (2.0 * math.pi * c[0] * lower[0] ** n[0])
-    left[0] = max(math.log(min(_ONSET * min(1.0, width[0]), touch)), -690.0)
-    wide = np.ones(1, bool)
-    while wide.any():
-        s_left, s_right = slope_squared(segment, left), slope_squared(segment, right)
-        # x² - x1² = 2p²(1/ξ² - 1/ξ1²): how fast e^{-x²} dies away from q1.
-        far, near = end / s_left - 1.0, end / s_right - 1.0
-        wide = right - left > _PANEL * np.where(segment == 0, 2.0, 1.0)
-        wide |= np.log(s_right / s_left) > 2.0 * _PANEL
-        wide |= far - near > np.maximum(near, 1e-3)
-        segment, left, right = _halve(segment, left, right, wide)
-    for _ in range(halvings):
-        segment, left, right = _halve(segment, left, right, np.ones(segment.size, bool))
-
-    points, weights = np.polynomial.legendre.leggauss(_POINTS)
-    half = (right - left)[:, None] / 2.0
-    t = (left + right)[:, None] / 2.0 + half * points
-    i = np.broadcast_to(segment[:, None], t.shape)
-    x = stretch(i, t)
-    q = lower[i] * (1.0 + x)
-    squared = slope_squared(i, t)
-    dq = lower[i] * np.exp(t) * half * weights  # both kinds of t give dq = lower·e^t dt
-    energy = np.pi / 2.0 * c[i] * q ** (2.0 - exponent[i]) * dq
-    stiffness = energy * np.sqrt(8.0 / (np.pi * squared))
-    panels = stiffness.sum(axis=1)
-    beyond = np.append(np.cumsum(panels[:0:-1])[::-1], 0.0)
-    inside = (stiffness / weights) @ _remaining_weights(points, weights).T
-    separation = (beyond[:, None] + inside) * 2.0 * q * energy / squared
-    return _Quadrature(
-        slope=np.sqrt(squared).ravel(),
-        stiffness=stiffness.ravel(),
-        separation=separation.ravel(),
-        energy=energy.ravel(),
-        slope_end=math.sqrt(end),
-        total=float(panels.sum()),
-    )
-
-
-def _halve(
-    segment: NDArray[np.int64], left: FloatArray, right: FloatArray, which: NDArray[np.bool_]
-) -> tuple[NDArray[np.int64], FloatArray, FloatArray]:
-    """Replace the panels ``which`` by their halves, in order."""
-    copies = np.where(which, 2, 1)
-    middle = np.repeat((left + right) / 2.0, copies)
-    segment, new_left, new_right = (np.repeat(a, copies) for a in (segment, left, right))
-    first = np.cumsum(copies) - copies
-    new_right[first[which]] = middle[first[which]]
-    new_left[first[which] + 1] = middle[first[which]]
-    return segment, new_left, new_right
-
-
-def _remaining_weights(points: FloatArray, weights: FloatArray) -> FloatArray:
-    """Return R with R @ f(points) = the integrals of f from each point to 1."""
-    legendre = np.polynomial.legendre
-    degrees = np.arange(points.size)
-    primitives = np.stack(
-        [-legendre.legval(points, legendre.legint(k, lbnd=1)) for k in np.eye(points.size)],
-        axis=1,
-    )
-    # Row k turns values at the points into the coefficient of the Legendre polynomial k.
-    values = legendre.legvander(points, points.size - 1)
-    return np.asarray(primitives @ ((degrees[:, None] + 0.5) * values.T * weights))
 
 
 def persson_curve(spectrum: Spectrum, pressures: ArrayLike, gamma: float = 0.45) -> Curve:
@@ -212,13 +96,15 @@ def persson_curve(spectrum: Spectrum, pressures: ArrayLike, gamma: float = 0.45)
     1.59577e-03 2.41327e+00
     1.58519e-01 1.17933e-01
     """
-    from scipy.special import erf
-
     p = checked_pressures(pressures)
     _check_gamma(gamma)
-    rule = _quadrature(spectrum, p.min(initial=math.inf))
+    return _evaluate(make_quadrature(spectrum, p.min(initial=math.inf)), p, gamma)
+
+
+def _evaluate(rule: Quadrature, p: FloatArray, gamma: float) -> Curve:
+    from scipy.special import erf
+
     w = math.sqrt(2.0) / rule.slope
-    x_end = math.sqrt(2.0) / rule.slope_end * p
     compliance, separation, energy = (np.empty(p.size) for _ in range(3))
     block = max(1, _BLOCK // w.size)
     with np.errstate(under="ignore"):
@@ -235,7 +121,7 @@ def persson_curve(spectrum: Spectrum, pressures: ArrayLike, gamma: float = 0.45)
         stiffness = p / compliance
     return Curve(
         pressure=p,
-        area=np.asarray(erf(x_end)),
+        area=np.asarray(erf(math.sqrt(2.0) / rule.slope_end * p)),
         separation=separation,
         stiffness=stiffness,
         energy=energy,
@@ -319,7 +205,7 @@ def persson_asymptotes(spectrum: Spectrum, gamma: float = 0.45) -> Asymptotes:
     '0.499074 6.97737e-03 1.5958'
     """
     _check_gamma(gamma)
-    rule = _quadrature(spectrum)
+    rule = make_quadrature(spectrum)
     log_w = math.log(2.0) / 2.0 - np.log(rule.slope)
     mean_log_w = float(rule.stiffness @ log_w) / rule.total
     constant = 3.0 * (1.0 - gamma) / gamma * _J0
