@@ -103,6 +103,8 @@ def available_cores() -> int:
 def _counter(total: int, progress: Report | None) -> Finished:
     """Return a callable that counts the states of finished tasks and tells ``progress``."""
     done = 0
+    if progress is not None:
+        progress(Progress(done, total, "starting"))
 
     def finished(task: Task) -> None:
         nonlocal done

@@ -125,8 +125,7 @@ def _plain(value: object) -> Attribute:
 
 
 def _heights(surface: FileSurface) -> FloatArray:
-    dataset = f":{surface.dataset}" if surface.dataset else ""
-    heights = load_heights(f"{surface.file}{dataset}")
+    heights = load_heights(surface.path, surface.folder)
     return heights - heights.mean()
 
 

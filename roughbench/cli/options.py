@@ -1,0 +1,31 @@
+"""Options and arguments that several commands share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+DEBUG = "roughbench.debug"
+"""Key of the context's meta data: whether errors show their traceback."""
+
+
+def _remember_debug(ctx: click.Context, _parameter: click.Parameter, value: bool) -> None:  # noqa: FBT001
+    ctx.meta[DEBUG] = value
+
+
+debug_option = click.option(
+    "--debug",
+    is_flag=True,
+    expose_value=False,
+    is_eager=True,
+    callback=_remember_debug,
+    help="Show the traceback of an error.",
+)
+
+results_argument = click.argument("results", type=click.Path(path_type=Path))
+
+
+def example(*lines: str) -> str:
+    """Return the end of a help text that shows how to use a command."""
+    return "\b\nExample:\n" + "\n".join(f"  {line}" for line in lines)

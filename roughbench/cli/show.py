@@ -1,0 +1,37 @@
+"""``roughbench show``: the curves of a results file as tables, or as JSON."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from roughbench.cli.options import debug_option, example, results_argument
+
+
+@click.command(
+    "show",
+    epilog=example(
+        "roughbench show quick.h5",
+        "roughbench show quick.h5 --json | jq '.experiments.main.bem.variables.area_mean'",
+    ),
+)
+@results_argument
+@click.option("--json", "as_json", is_flag=True, help="Everything in the file, as strict JSON.")
+@debug_option
+def command(results: Path, as_json: bool) -> None:  # noqa: FBT001
+    """Print the curves of RESULTS as tables or JSON.
+
+    Tables show mean ± standard error over the realizations. Lengths are
+    divided by h_rms, the rms height of the spectrum (continuum); for heights from a file
+    it is theirs. States that did not converge are left out; n counts the realizations
+    that did.
+
+    JSON has no infinity and no nan: the stiffness at full contact is the string "inf",
+    and what is not defined is null.
+    """
+    from roughbench.cli.tables import as_text, to_json
+    from roughbench.store import load
+
+    loaded = load(results)
+    click.echo(to_json(loaded) if as_json else as_text(loaded, str(results)))

@@ -1,0 +1,167 @@
+"""Results as text: tables for people, JSON and CSV for programs."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import textwrap
+from collections.abc import Iterator
+
+import numpy as np
+
+from roughbench.results import Array, Attribute, ModelResult, Results, dimensions
+
+_OF_SURFACE = (
+    "surface",
+    "heights",
+    "length",
+    "hurst",
+    "q_min",
+    "q_rolloff",
+    "q_max",
+    "below_rolloff",
+    "amplitude",
+    "rms_slope",
+    "seed",
+)
+
+
+def as_text(results: Results, source: str) -> str:
+    """Return a table of every curve.
+
+    Parameters
+    ----------
+    results : Results
+    source : str
+        Name of the file, for the title.
+
+    Returns
+    -------
+    str
+    """
+    blocks = [f"{source}: {results.name} (spec sha256 {results.spec_sha256[:12]})"]
+    for experiment, models in results.items():
+        for number, result in enumerate(models.values()):
+            if number == 0:
+                blocks.append("\n".join([f"== {experiment} ==", *_surface_lines(result)]))
+            blocks.append("\n".join(_model_lines(result)))
+    return "\n\n".join(blocks)
+
+
+def _surface_lines(result: ModelResult) -> Iterator[str]:
+    given = result.attributes
+    yield from _listed({name: given[name] for name in _OF_SURFACE if name in given})
+    origin = "of the heights" if given["surface"] == "file" else "of the spectrum, continuum"
+    yield f"h_rms = {given['rms_height']:.6g} ({origin})"
+
+
+def _model_lines(result: ModelResult) -> Iterator[str]:
+    many = "s" * (result.n_realizations > 1)
+    yield f"{result.label}: {result.title}, {result.n_realizations} realization{many}"
+    own = {k: v for k, v in result.attributes.items() if k not in (*_OF_SURFACE, "rms_height")}
+    yield from _listed(own)
+    headings = (f"  {name:^20}" for name in ("A/A0", "ū/h_rms", "K h_rms/E*"))
+    yield f"{'p/E*':>10}{''.join(headings)}    n"
+    height = float(result.attributes["rms_height"])
+    columns = [
+        (result[f"{name}_mean"] * scale, result[f"{name}_sem"] * scale)
+        for name, scale in (("area", 1.0), ("separation", 1.0 / height), ("stiffness", height))
+    ]
+    for i, pressure in enumerate(result["pressure"]):
+        cells = "".join(f"  {_with_error(mean[i], sem[i]):20}" for mean, sem in columns)
+        yield f"{pressure:10.3e}{cells}{result['n_converged'][i]:5d}"
+    if result.n_unconverged:
+        yield (
+            f"{result.n_unconverged} of {result.n_states} states did not converge; "
+            "they are left out of the averages"
+        )
+
+
+def _listed(values: dict[str, Attribute]) -> list[str]:
+    parts = (
+        f"{name} {value:.6g}" if isinstance(value, float) else f"{name} {value}"
+        for name, value in values.items()
+    )
+    return textwrap.wrap(", ".join(parts), 88, initial_indent="  ", subsequent_indent="  ")
+
+
+def _with_error(mean: float, sem: float) -> str:
+    if math.isnan(mean):
+        return f"{'-':>10}"
+    if math.isinf(mean):
+        return f"{'inf':>10}"
+    value = f"{mean:10.4e}"
+    return value if math.isnan(sem) else f"{value} ± {sem:.1e}"
+
+
+def to_json(results: Results) -> str:
+    """Return all that a results file holds as strict JSON.
+
+    Infinities become the strings "inf" and "-inf", nan becomes null; all other numbers
+    carry their full precision.
+    """
+    content = {
+        "name": results.name,
+        "spec": results.spec_text,
+        "spec_sha256": results.spec_sha256,
+        "experiments": {
+            experiment: {label: _model_as_json(result) for label, result in models.items()}
+            for experiment, models in results.items()
+        },
+    }
+    return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False)
+
+
+def _model_as_json(result: ModelResult) -> dict[str, object]:
+    return {
+        "kind": result.kind,
+        "title": result.title,
+        "n_realizations": result.n_realizations,
+        "n_unconverged": result.n_unconverged,
+        "attributes": {name: _json_number(value) for name, value in result.attributes.items()},
+        "units": {name: result.units(name) for name in result},
+        "variables": {name: _json_list(result[name]) for name in result},
+    }
+
+
+def _json_list(values: Array) -> list[object]:
+    if values.ndim > 1:
+        return [_json_list(row) for row in values]
+    return [_json_number(value) for value in values.tolist()]
+
+
+def _json_number(value: str | float) -> str | float | None:
+    if isinstance(value, str) or math.isfinite(value):
+        return value
+    return None if math.isnan(value) else str(value)
+
+
+def summary_csv(result: ModelResult) -> str:
+    """Return the averaged curves of one model as CSV, one row a pressure.
+
+    The header names each variable with its unit in brackets: "1" is none, "length" the
+    spec's length unit.
+    """
+    names = [name for name in result if dimensions(name) == ("pressure",)]
+    return _csv(result, {name: result[name] for name in names})
+
+
+def states_csv(result: ModelResult) -> str:
+    """Return every state of one model as CSV, one row a realization and pressure."""
+    n_realizations, n_pressures = result["status"].shape
+    columns = {
+        "realization": np.repeat(np.arange(n_realizations), n_pressures),
+        "pressure": np.tile(result["pressure"], n_realizations),
+    }
+    columns |= {name: result[name].ravel() for name in result if result[name].ndim == 2}
+    return _csv(result, columns)
+
+
+def _csv(result: ModelResult, columns: dict[str, Array]) -> str:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(f"{name} [{result.units(name)}]" for name in columns)
+    writer.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
+    return text.getvalue()
