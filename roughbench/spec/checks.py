@@ -17,6 +17,9 @@ from roughbench.spec.tree import Finding, KeyPath, lookup
 # Options that choose a grid for generated heights; heights from a file have one.
 _GRID_OPTIONS = ("grid", "springs", "undersampled")
 
+_MOST_WAVES = 1e9
+"""Waves per side past which no grid is worth naming."""
+
 Numbered = Sequence[tuple[int, Model]]
 
 
@@ -95,12 +98,14 @@ def _grids(surface: SelfAffineSurface, models: Numbered) -> Iterator[Finding]:
     for number, model in models:
         if model.dimension == 0:
             continue
+        if spectrum.q_max * surface.length > 2.0 * math.pi * _MOST_WAVES:
+            message = f"over {_MOST_WAVES:g} waves per side are too many for any grid"
+            yield Finding(("models", number), f"{message}; lower q1 or length")
+            continue
         try:
             model.grid_points(spectrum, surface.length)
         except SurfaceError as error:
             yield Finding(_grid_option(number, model), str(error))
-        except ArithmeticError:
-            yield Finding(("models", number), "the surface has too many waves for any grid")
 
 
 def _grid_option(number: int, model: Model) -> KeyPath:

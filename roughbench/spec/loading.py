@@ -20,7 +20,15 @@ from roughbench.spec.model import AnyModel, Spec
 from roughbench.spec.overrides import apply_overrides
 from roughbench.spec.reading import MAX_CHARACTERS, Document, Place, read_yaml
 from roughbench.spec.surfaces import FileSurface, SelfAffineSurface, Surface
-from roughbench.spec.tree import Finding, KeyPath, freeze, plain, render, suggestion
+from roughbench.spec.tree import (
+    Finding,
+    KeyPath,
+    freeze,
+    on_one_line,
+    plain,
+    render,
+    suggestion,
+)
 
 _SURFACE: TypeAdapter[SelfAffineSurface | FileSurface] = TypeAdapter(Surface)
 _MODEL: TypeAdapter[Model] = TypeAdapter(AnyModel)
@@ -94,9 +102,9 @@ def _from_mapping(source: Mapping[str, Any]) -> _Given:
 
 
 def _from_file(source: str | os.PathLike[str]) -> _Given:
-    name = os.fspath(source)
+    path = Path(source)
+    name = on_one_line(os.fspath(source))
     try:
-        path = Path(name)
         with path.open("rb") as stream:
             data = stream.read(4 * MAX_CHARACTERS + 1)
         text = data.decode("utf-8-sig")
@@ -111,8 +119,7 @@ def _from_file(source: str | os.PathLike[str]) -> _Given:
         raise SpecError([Fault(message, "", line, column, name)]) from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        shown = name.encode("unicode_escape").decode()
-        raise SpecError([Fault(f"cannot be read: {reason}", source=shown)]) from None
+        raise SpecError([Fault(f"cannot be read: {reason}", source=name)]) from None
     return _Given(read_yaml(text), path.stem, path.parent, name, text)
 
 

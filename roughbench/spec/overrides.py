@@ -7,7 +7,7 @@ from typing import Any
 
 from roughbench.errors import Fault
 from roughbench.spec.reading import read_yaml
-from roughbench.spec.tree import KeyPath, KeyPathError, assign, render, resolve
+from roughbench.spec.tree import KeyPath, KeyPathError, assign, on_one_line, render, resolve
 
 
 def apply_overrides(
@@ -35,13 +35,15 @@ def apply_overrides(
     faults: list[Fault] = []
     sources: dict[KeyPath, str] = {}
     for override in overrides:
-        source = f"--set {override}"
+        source = f"--set {on_one_line(override)}"
         key, equals, text = override.partition("=")
         if not equals:
             faults.append(Fault("must read key=value, such as surface.H=0.8", source=source))
             continue
         document = read_yaml(text)
-        faults += [Fault(fault.message, key, source=source) for fault in document.faults]
+        faults += [
+            Fault(fault.message, on_one_line(key), source=source) for fault in document.faults
+        ]
         try:
             path = resolve(tree, key.strip())
         except KeyPathError as error:

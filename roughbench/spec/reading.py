@@ -12,7 +12,7 @@ from typing import Any
 
 import yaml
 
-from roughbench.spec.tree import MAX_DEPTH, KeyPath
+from roughbench.spec.tree import MAX_DEPTH, KeyPath, on_one_line
 from roughbench.spec.yaml12 import Loader
 
 MAX_CHARACTERS = 256 * 1024
@@ -142,9 +142,7 @@ class _Reader:
         except yaml.MarkedYAMLError as error:
             told = " ".join(filter(None, (error.context, error.problem)))
             hint = next((hint for sign, hint in _HINTS.items() if sign in told), "")
-            problem = error.problem or told
-            if not problem.isprintable():
-                problem = problem.encode("unicode_escape").decode()
+            problem = on_one_line(error.problem or told)
             message = f"is no valid YAML: {problem}" + (f" ({hint})" if hint else "")
             place = _place(error.problem_mark or error.context_mark)
         except (ValueError, OverflowError) as error:  # an escape beyond Unicode, a huge version

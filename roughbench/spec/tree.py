@@ -64,6 +64,11 @@ def show(value: object) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
+def on_one_line(text: str) -> str:
+    """Write a file name or an argument as it is, or escaped where it does not print."""
+    return text if text.isprintable() else text.encode("unicode_escape").decode()
+
+
 def suggestion(word: str, known: Iterable[str]) -> str | None:
     """Return the known word that was probably meant, or None."""
     known = list(known)

@@ -10,34 +10,11 @@ import pytest
 from roughbench.errors import SpecError
 from roughbench.spec import load_spec
 
-VALID = """\
-name: rolloff8
-surface:
-  H: 0.7
-  q0: 1.0
-  qr: 8.0
-  q1: 128.0
-  slope: 0.1
-pressures: {min: 1.0e-5, max: 0.2, points: 20, spacing: log}
-realizations: 10
-seed: 2013
-models:
-  - kind: bem
-    grid: 512
-    tolerance: 1.0e-6
-  - kind: foundation
-    springs: 8192
-    realizations: 100
-  - kind: persson
-    gamma: 0.45
-    finite_size: none
-"""
-
 
 @pytest.fixture
 def valid() -> str:
-    """A spec without faults, of the shape that the contract shows."""
-    return VALID
+    """Return a spec without faults."""
+    return (Path(__file__).parent / "valid.yaml").read_text(encoding="utf-8")
 
 
 FaultsOf = Callable[..., list[str]]

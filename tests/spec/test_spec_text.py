@@ -80,8 +80,7 @@ def told(text: str) -> list[str]:
         ("a: ! 1\n", "1:4 a: tags are not supported; remove '!'"),
         (
             "a: !!python/object:os.system {}\n",
-            "1:4 a: tags are not supported; "
-            "remove 'tag:yaml.org,2002:python/object:os.system'",
+            "1:4 a: tags are not supported; remove 'tag:yaml.org,2002:python/object:os.system'",
         ),
         ("!x a: 1\n", "1:1 a: tags are not supported; remove '!x'"),
         ("a:\n  H: 1\n  H: 2\n", "3:3 a.H: duplicate key (first on line 2)"),
@@ -100,33 +99,46 @@ def told(text: str) -> list[str]:
         ("a: 1\nb: \x07\n", "2:4 : holds the control character 0x0007"),
         (
             "a:\n\t- 1\n",
-            "2:1 : is no valid YAML: found character '\\t' that cannot start any token "
-            "(indent with spaces)",
+            (
+                "2:1 : is no valid YAML: found character '\\t' that cannot start any token "
+                "(indent with spaces)"
+            ),
         ),
         (
             "a: b: c\n",
-            "1:5 : is no valid YAML: mapping values are not allowed here "
-            "(check the indentation, and quote text that holds ': ')",
+            (
+                "1:5 : is no valid YAML: mapping values are not allowed here "
+                "(check the indentation, and quote text that holds ': ')"
+            ),
         ),
         (
             "a: 1\nb\n",
-            "3:1 : is no valid YAML: could not find expected ':' "
-            "(every line of a mapping reads `key: value`)",
+            (
+                "3:1 : is no valid YAML: could not find expected ':' "
+                "(every line of a mapping reads `key: value`)"
+            ),
         ),
         (
             "a: 1\n b: 1\n",
-            "2:3 : is no valid YAML: mapping values are not allowed here "
-            "(check the indentation, and quote text that holds ': ')",
+            (
+                "2:3 : is no valid YAML: mapping values are not allowed here "
+                "(check the indentation, and quote text that holds ': ')"
+            ),
         ),
         (
             "a: [1\nb: 2\n",
-            "2:2 : is no valid YAML: expected ',' or ']', but got ':' "
-            "(close the bracket, or put a comma before this)",
+            (
+                "2:2 : is no valid YAML: expected ',' or ']', but got ':' "
+                "(close the bracket, or put a comma before this)"
+            ),
         ),
         (
             "a:\n  b: 1\n c: 1\n",
-            "3:2 : is no valid YAML: expected <block end>, but found '<block mapping start>' "
-            "(check the indentation of this line against the one above)",
+            (
+                "3:2 : is no valid YAML: expected <block end>, but found "
+                "'<block mapping start>' (check the indentation of this line against the "
+                "one above)"
+            ),
         ),
         (
             "a: 'b\n",
@@ -134,8 +146,10 @@ def told(text: str) -> list[str]:
         ),
         (
             "a: @b\n",
-            "1:4 : is no valid YAML: found character '@' that cannot start any token "
-            "(quote text that starts with a sign)",
+            (
+                "1:4 : is no valid YAML: found character '@' that cannot start any token "
+                "(quote text that starts with a sign)"
+            ),
         ),
     ],
 )
@@ -205,7 +219,9 @@ def test_no_text_makes_the_reader_crash(text: str) -> None:
     assert document.complete or document.faults
 
 
-YAML_LIKE = st.text(st.sampled_from(list("ab01.:-_ \n[]{},&*!|>'\"#%@`?<~e+\t\\ux")), max_size=60)
+YAML_LIKE = st.text(
+    st.sampled_from(list("ab01.:-_ \n[]{},&*!|>'\"#%@`?<~e+\t\\ux")), max_size=60
+)
 
 
 @given(YAML_LIKE)
