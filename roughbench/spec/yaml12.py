@@ -21,6 +21,7 @@ _CORE_SCHEMA: tuple[tuple[str, str], ...] = (
     (_INT, r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+"),
     (_FLOAT, r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?"),
     (_FLOAT, r"[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN)"),
+    ("tag:yaml.org,2002:merge", "<<"),  # so that it is written in quotes
 )
 # PyYAML looks resolvers up by the first character; None is tried for every scalar.
 _RESOLVERS: dict[str | None, list[tuple[str, re.Pattern[str]]]] = {

@@ -1,0 +1,53 @@
+"""The specs that come with roughbench."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from roughbench.models.foundation import Foundation
+from roughbench.spec import SelfAffineSurface, load_spec
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+FILES = sorted(CONFIGS.rglob("*.yaml"))
+
+
+def test_they_are_all_there() -> None:
+    assert [str(path.relative_to(CONFIGS)) for path in FILES] == [
+        "fig1.yaml",
+        "fig2.yaml",
+        "fig3.yaml",
+        "fig4.yaml",
+        "paper/bem.yaml",
+        "paper/fig3.yaml",
+        "paper/fig4.yaml",
+        "quick.yaml",
+        "smoke.yaml",
+    ]
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_each_says_what_it_is_for_and_holds_what_it_promises(path: Path) -> None:
+    assert path.read_text(encoding="utf-8").startswith("# ")
+    spec = load_spec(path)
+    paper = path.parent.name == "paper"
+    assert spec.name == (f"paper-{path.stem}" if paper else path.stem)
+    experiments = spec.experiments()
+    assert len(experiments) == 2, "without and with a roll-off"
+    for _, experiment in experiments:
+        surface = experiment.surface
+        assert isinstance(surface, SelfAffineSurface)
+        assert surface.q_max == 8192.0 or not paper
+        for model in experiment.models:
+            if isinstance(model, Foundation):
+                assert model.springs >= 4 * surface.q_max
+                assert model.undersampled == "error"
+
+
+def test_the_papers_own_number_of_springs_is_one_option_away() -> None:
+    path = CONFIGS / "paper" / "fig3.yaml"
+    overrides = ["models.foundation.springs=8192", "models.foundation.undersampled=alias"]
+    foundation = load_spec(path, overrides).models[0]
+    assert isinstance(foundation, Foundation)
+    assert (foundation.springs, foundation.undersampled) == (8192, "alias")
