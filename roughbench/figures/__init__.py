@@ -1,0 +1,94 @@
+"""The paper's figures, each drawn from the results alone: one file per figure.
+
+>>> import roughbench as rb
+>>> from roughbench import figures
+>>> results = rb.run(
+...     {
+...         "surface": {"H": 0.7, "q0": 1.0, "q1": 64.0, "slope": 0.1},
+...         "pressures": [1e-4, 1e-3, 1e-2],
+...         "models": [{"kind": "persson"}],
+...     }
+... )
+>>> figures.available(results)
+['spectrum', 'area', 'separation', 'stiffness', 'fig3']
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+from roughbench.errors import StoreError
+from roughbench.figures import area, fig3, foundation, separation, spectrum, stiffness
+from roughbench.figures.stiffness import Agreement, departures
+from roughbench.figures.style import publication_style, save
+from roughbench.results import Results
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["FIGURES", "Agreement", "Recipe", "available", "departures", "render"]
+
+
+class Recipe(Protocol):
+    """What the module of a figure offers."""
+
+    def missing(self, results: Results) -> str | None:
+        """Return what the results lack for the figure, or None."""
+
+    def draw(self, results: Results) -> Figure:
+        """Return the figure, of results that lack nothing."""
+
+
+FIGURES: dict[str, Recipe] = {
+    "foundation": foundation,
+    "spectrum": spectrum,
+    "area": area,
+    "separation": separation,
+    "stiffness": stiffness,
+    "fig3": fig3,
+}
+"""Name → module: the paper's Figs. 1, 2, 3(a), 3(b), 4, and both halves of Fig. 3."""
+
+
+def available(results: Results) -> list[str]:
+    """Return the names of the figures that these results allow, in the paper's order."""
+    return [name for name, recipe in FIGURES.items() if recipe.missing(results) is None]
+
+
+def render(results: Results, name: str, folder: str | os.PathLike[str]) -> list[Path]:
+    """Draw a figure into a folder, as PDF and PNG.
+
+    The same results give the same bytes; each file is replaced in one step.
+
+    Parameters
+    ----------
+    results : Results
+        Nothing else is read: neither the results file nor the surfaces.
+    name : str
+        One of :data:`FIGURES`.
+    folder : path
+        Made if it does not exist.
+
+    Returns
+    -------
+    list of Path
+        ``<name>.pdf`` and ``<name>.png``.
+
+    Raises
+    ------
+    StoreError
+        If there is no such figure, the results lack what it shows, or a file cannot be
+        written.
+    """
+    if name not in FIGURES:
+        raise StoreError(f"there is no figure {name!r}; choose one of {', '.join(FIGURES)}")
+    recipe = FIGURES[name]
+    if lack := recipe.missing(results):
+        allowed = ", ".join(available(results)) or "none"
+        raise StoreError(
+            f"figure {name!r} needs {lack}; figures that these results allow: {allowed}"
+        )
+    with publication_style():
+        return save(recipe.draw(results), name, Path(folder))

@@ -1,0 +1,47 @@
+"""Fig. 3(a) of the paper: the real contact area A/A0 against the pressure p/E*.
+
+Exact solver as squares with standard errors, foundation as a solid line with a
+standard-error band, Persson dashed; one colour for each experiment (each roll-off).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from roughbench.figures.curves import (
+    draw_panel,
+    experiment_colours,
+    legend_handles,
+    unconverged_remarks,
+)
+from roughbench.figures.style import footnote, new_figure
+from roughbench.results import Results
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+
+def missing(results: Results) -> str | None:
+    """Return what the results lack for this figure, or None."""
+    return None if any(results.models()) else "the results of a model"
+
+
+def draw(results: Results) -> Figure:
+    """Return the figure."""
+    figure, (axes,) = new_figure(1, 2.6)
+    panel(axes, results)
+    experiments = list(results)
+    colours = experiment_colours(experiments)
+    axes.legend(
+        handles=legend_handles(results, experiments, "area", colours), loc="lower right"
+    )
+    footnote(figure, unconverged_remarks(results))
+    return figure
+
+
+def panel(axes: Axes, results: Results) -> None:
+    """Draw the curves, without a legend."""
+    draw_panel(axes, results, list(results), "area")
+    axes.set_ylabel(r"contact area $A/A_0$")
+    axes.set_ylim(top=2.0)

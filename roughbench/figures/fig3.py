@@ -1,0 +1,39 @@
+"""Fig. 3 of the paper, (a) above (b): contact area and mean separation."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from roughbench.figures import area, separation
+from roughbench.figures.curves import (
+    experiment_colours,
+    legend_handles,
+    unconverged_remarks,
+)
+from roughbench.figures.style import footnote, letter, new_figure
+from roughbench.results import Results
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def missing(results: Results) -> str | None:
+    """Return what the results lack for this figure, or None."""
+    return area.missing(results) or separation.missing(results)
+
+
+def draw(results: Results) -> Figure:
+    """Return the figure."""
+    experiments = list(results)
+    figure, (upper, lower) = new_figure(2, 2.3, extra=0.6, share=True)
+    area.panel(upper, results)
+    separation.panel(lower, results)
+    for number, axes in enumerate((upper, lower)):
+        axes.label_outer()
+        letter(axes, number)
+    handles = legend_handles(
+        results, experiments, "separation", experiment_colours(experiments)
+    )
+    figure.legend(handles=handles, loc="outside upper center", ncols=2)
+    footnote(figure, unconverged_remarks(results))
+    return figure

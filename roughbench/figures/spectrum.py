@@ -1,0 +1,203 @@
+r"""Fig. 2 of the paper: the spectrum C2D(q) with q0, qr and q1, and a realized one.
+
+Lines are the spectra of the experiments; if there is only one, and it has a roll-off,
+the spectrum of the same rms slope without it (qr = q0) is added in grey. Circles are the
+periodogram of realization 0, averaged over all modes in a ring: of the exact solver's
+surface, :math:`(L/2\pi)^2\langle|h_q|^2\rangle`, or else of the foundation's line,
+:math:`L|h_q|^2/(2\pi\cdot\pi q)`, whose spectrum is :math:`\pi q C_{2D}`. With fixed
+amplitudes each mode carries exactly its share, so that the circles lie on the line.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roughbench.figures.curves import experiment_label
+from roughbench.figures.rebuild import Experiment, self_affine_experiments, spec_fault
+from roughbench.figures.style import COLOURS, GUIDE, SMALL, new_figure
+from roughbench.models.base import Sample
+from roughbench.results import Results
+from roughbench.runner.samples import make_sample
+from roughbench.spec import SelfAffineSurface, Spec
+from roughbench.spectrum import Spectrum, self_affine
+from roughbench.surface import wavenumbers
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+FloatArray = NDArray[np.float64]
+
+LARGEST_GRID = 2048
+"""Surfaces with more points per side are not made again for a picture."""
+RINGS_PER_DECADE = 12
+"""Rings of equal width in ln q: a power law bends by less than 1 % across one."""
+
+
+def missing(results: Results) -> str | None:
+    """Return what the results lack for this figure, or None."""
+    if fault := spec_fault(results):
+        return fault
+    return None if self_affine_experiments(results) else "a surface given by its spectrum"
+
+
+def draw(results: Results) -> Figure:
+    """Return the figure."""
+    figure, (axes,) = new_figure(1, 2.7)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xlabel(r"wavevector $q$ (1/length)")
+    axes.set_ylabel(r"spectrum $C_\mathrm{2D}$ (length$^4$)")
+    experiments = _distinct(self_affine_experiments(results))
+    surfaces = [surface for _, surface, _ in experiments]
+    if len(surfaces) == 1:
+        _draw_without_rolloff(axes, surfaces[0])
+    for number, (name, surface, spec) in enumerate(experiments):
+        colour = COLOURS[number % len(COLOURS)]
+        label = experiment_label(name) or "theory"
+        _draw_theory(axes, surface.spectrum(), colour, label, f"{name}/theory")
+        realized = realized_spectrum(spec, surface)
+        if realized is not None:
+            kind, q, power = realized
+            axes.plot(
+                q,
+                power,
+                linestyle="none",
+                marker="o",
+                markersize=4.0 - 1.6 * number / len(experiments),
+                markerfacecolor="none" if number else "white",
+                color=colour,
+                zorder=4 + number,
+                label=f"realization 0 ({kind})" if number == len(experiments) - 1 else None,
+                gid=f"{name}/{kind}",
+            )
+    _mark_wavevectors(axes, surfaces)
+    _draw_slope(axes, surfaces[0].spectrum())
+    axes.legend(loc="lower left")
+    return figure
+
+
+def realized_spectrum(
+    spec: Spec, surface: SelfAffineSurface
+) -> tuple[str, FloatArray, FloatArray] | None:
+    """Return the spectrum C2D of realization 0, averaged over rings of wavevectors.
+
+    Parameters
+    ----------
+    spec : Spec
+        Of one experiment.
+    surface : SelfAffineSurface
+        Its surface.
+
+    Returns
+    -------
+    (str, ndarray of float64, ndarray of float64) or None
+        "surface" or "line", q (1/length) and C2D (length⁴); None if no model of the spec
+        works on heights, or on a surface too large.
+    """
+    by_dimension = {}
+    for model in reversed(spec.models):
+        by_dimension[model.dimension] = model
+    plane, line = by_dimension.get(2), by_dimension.get(1)
+    if plane and plane.grid_points(surface.spectrum(), surface.length) <= LARGEST_GRID:
+        sample = make_sample(surface, plane, spec.seed, 0)
+        return ("surface", *ring_average(sample))
+    if line:
+        return ("line", *ring_average(make_sample(surface, line, spec.seed, 0)))
+    return None
+
+
+def ring_average(sample: Sample) -> tuple[FloatArray, FloatArray]:
+    """Return q and the periodogram of the heights as a C2D, averaged in rings of ln q.
+
+    Parameters
+    ----------
+    sample : Sample
+        With periodic heights, a line or a surface, and their spectrum.
+
+    Returns
+    -------
+    (ndarray of float64, ndarray of float64)
+        The geometric mean of q (1/length) and of the spectrum's fall, and C2D (length⁴).
+    """
+    heights, spectrum = sample.heights, sample.spectrum
+    if heights is None or spectrum is None:
+        raise ValueError("a periodogram needs heights and their spectrum")
+    q = wavenumbers(heights.shape, sample.length)
+    power = np.abs(np.fft.rfftn(heights, norm="forward")) ** 2
+    power *= (sample.length / (2.0 * np.pi)) ** heights.ndim
+    inside = (q >= spectrum.q_min * (1.0 - 1e-9)) & (q <= spectrum.q_max * (1.0 + 1e-9))
+    q, power = q[inside], power[inside]
+    if heights.ndim == 1:
+        power /= np.pi * q
+    ring = np.floor(np.log10(q / spectrum.q_min) * RINGS_PER_DECADE + 1e-6).astype(int)
+    count = np.bincount(ring)
+    filled = count > 0
+    mean_log = np.bincount(ring, np.log(q))[filled] / count[filled]
+    return np.exp(mean_log), np.bincount(ring, power)[filled] / count[filled]
+
+
+def _distinct(experiments: list[Experiment]) -> list[Experiment]:
+    """Keep the first experiment with each spectrum."""
+    first: dict[Spectrum, Experiment] = {}
+    for experiment in experiments:
+        first.setdefault(experiment[1].spectrum(), experiment)
+    return list(first.values())
+
+
+def _draw_theory(
+    axes: Axes, spectrum: Spectrum, colour: str, label: str, name: str, width: float = 1.1
+) -> None:
+    """Draw the power laws from edge to edge; a step at an edge comes out vertical."""
+    q = np.repeat(spectrum.edges, 2)[1:-1]
+    prefactors = np.repeat(spectrum.prefactors, 2)
+    power = prefactors * q ** -np.repeat(spectrum.exponents, 2)
+    axes.plot(q, power, color=colour, linewidth=width, label=label, gid=name)
+
+
+def _draw_without_rolloff(axes: Axes, surface: SelfAffineSurface) -> None:
+    spectrum = surface.spectrum()
+    if surface.q_rolloff == surface.q_min:
+        return
+    other = self_affine(
+        hurst=surface.hurst,
+        q_min=surface.q_min,
+        q_rolloff=surface.q_min,
+        q_max=surface.q_max,
+        rms_slope=spectrum.rms_slope,
+    )
+    _draw_theory(axes, other, GUIDE, "theory for $q_r = q_0$", "without roll-off", 0.7)
+
+
+def _mark_wavevectors(axes: Axes, surfaces: list[SelfAffineSurface]) -> None:
+    """Name q0, qr and q1 above the panel, each value once."""
+    names: dict[float, list[str]] = {}
+    for symbol, attribute in (("q_0", "q_min"), ("q_r", "q_rolloff"), ("q_1", "q_max")):
+        for value in {float(getattr(surface, attribute)) for surface in surfaces}:
+            names.setdefault(value, []).append(symbol)
+    for value, symbols in names.items():
+        axes.axvline(value, color=GUIDE, linewidth=0.5, linestyle=(0, (1, 2)), zorder=1)
+        axes.annotate(
+            f"${' = '.join(symbols)}$",
+            (value, 1.0),
+            (0, 3),
+            xycoords=axes.get_xaxis_transform(),
+            textcoords="offset points",
+            ha="center",
+            va="bottom",
+        )
+
+
+def _draw_slope(axes: Axes, spectrum: Spectrum) -> None:
+    """Write the power law above its line, near the upper end."""
+    q = spectrum.edges[-2] ** 0.85 * spectrum.edges[-1] ** 0.15
+    axes.annotate(
+        rf"$\propto q^{{-2(1+H)}}$, $H = {spectrum.hurst:g}$",
+        (q, float(spectrum.psd_2d(q))),
+        (6, 6),
+        textcoords="offset points",
+        fontsize=SMALL + 1.0,
+    )

@@ -1,0 +1,117 @@
+"""The look of the figures, and how they get onto the disk."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from collections.abc import Iterator
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from roughbench.errors import StoreError
+from roughbench.store import commit
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+COLUMN = 3.375
+"""Width of a figure, in inches: one column of a two-column page."""
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+"""Okabe and Ito's palette, told apart with any colour vision."""
+GUIDE = "0.45"
+"""Grey of guide lines and of what they say."""
+SMALL = 7.0
+"""Size of annotations, in points."""
+BACKGROUND = {"facecolor": "white", "edgecolor": "none", "pad": 0.4}
+"""Box behind a word that lines may run through."""
+
+
+@contextlib.contextmanager
+def publication_style() -> Iterator[None]:
+    """Draw in the style of this package, whatever the user's own settings are."""
+    import matplotlib as mpl
+
+    with (
+        mpl.rc_context(),
+        resources.as_file(resources.files(__package__) / "roughbench.mplstyle") as path,
+    ):
+        mpl.rcdefaults()
+        mpl.rcParams.update(mpl.rc_params_from_file(path, use_default_template=False))
+        yield
+
+
+def new_figure(
+    rows: int, height: float, columns: int = 1, *, extra: float = 0.0, share: bool = False
+) -> tuple[Figure, list[Axes]]:
+    """Return an empty figure with its panels, row by row.
+
+    Parameters
+    ----------
+    rows : int
+    height : float
+        Of one panel with its labels, inches; each is one column wide.
+    columns : int
+    extra : float
+        Height of what stands outside the panels, inches.
+    share : bool
+        Whether all panels have the same limits of the pressure, and each row those of
+        the ordinate.
+
+    Returns
+    -------
+    (Figure, list of Axes)
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(COLUMN * columns, height * rows + extra))
+    axes = figure.subplots(
+        rows, columns, squeeze=False, sharex=share, sharey="row" if share else False
+    )
+    return figure, list(axes.flat)
+
+
+def letter(axes: Axes, number: int, text: str = "") -> None:
+    """Write (a), (b), … and a word on the panel above its upper left corner."""
+    axes.set_title(f"({chr(ord('a') + number % 26)})  {text}".rstrip(), loc="left", pad=3)
+
+
+def footnote(figure: Figure, lines: list[str]) -> None:
+    """Write remarks under the panels, if there are any."""
+    if lines:
+        figure.supxlabel("\n".join(lines), color=GUIDE)
+
+
+def save(figure: Figure, name: str, folder: Path) -> list[Path]:
+    """Write ``name.pdf`` and ``name.png``, each in one step.
+
+    Equal figures give equal bytes: neither file holds a date or the name of a program.
+
+    Returns
+    -------
+    list of Path
+        The PDF and the PNG.
+
+    Raises
+    ------
+    StoreError
+        If the folder cannot be made, or the files not be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise StoreError(
+            f"cannot make the folder {folder}: {error.strerror or error}; "
+            "choose another place with -o"
+        ) from error
+    undated: dict[str, dict[str, None]] = {
+        "pdf": {"Creator": None, "Producer": None, "CreationDate": None},
+        "png": {"Software": None},
+    }
+    paths = []
+    for suffix, metadata in undated.items():
+        image = io.BytesIO()
+        figure.savefig(image, format=suffix, metadata=metadata)
+        paths.append(commit(image.getvalue(), folder / f"{name}.{suffix}"))
+    return paths
