@@ -140,7 +140,15 @@ def assign(tree: Any, path: KeyPath, value: object) -> Any:
 
 
 def lookup(tree: Any, path: KeyPath) -> Any:
-    """Return what stands at ``path``, or None."""
+    """Return what stands at ``path``, or None.
+
+    Examples
+    --------
+    >>> lookup({"models": [{"kind": "bem"}]}, ("models", 0, "kind"))
+    'bem'
+    >>> lookup({"models": 3}, ("models", 0, "kind")) is None
+    True
+    """
     for part in path:
         if isinstance(tree, Mapping):
             tree = tree.get(part)

@@ -85,6 +85,12 @@ def test_the_spectrum_of_the_surface() -> None:
     assert spectrum.rms_height == pytest.approx(0.3, rel=1e-14)
 
 
+def test_surfaces_can_be_made_in_python() -> None:
+    surface = SelfAffineSurface(H=0.7, q0=2.0, q1=16.0, slope=0.1)
+    assert surface == load_spec(MINIMAL).surface
+    assert FileSurface(kind="file", path="h.npy", length=1.0).file == Path("h.npy")
+
+
 def test_a_length_of_one_wave_may_be_rounded() -> None:
     surface = MINIMAL["surface"] | {"q0": 1, "length": 6.283185307}
     assert self_affine(load_spec(MINIMAL | {"surface": surface})).length == 6.283185307
@@ -199,6 +205,15 @@ class TestSources:
         experiments = load_spec(tmp_path / "s.yaml").experiments()
         files = [e.surface.file for _, e in experiments if isinstance(e.surface, FileSurface)]
         assert files == [tmp_path / "a.npy", tmp_path / "b.npy"]
+
+    def test_python_objects_that_mean_the_same(self, tmp_path: Path) -> None:
+        np.save(tmp_path / "h.npy", np.zeros((4, 4)))
+        surface = {"kind": "file", "path": tmp_path / "h.npy", "length": np.float64(1)}
+        spec = load_spec(MINIMAL | {"surface": surface, "seed": np.uint8(3)})
+        assert isinstance(spec.surface, FileSurface)
+        assert (spec.surface.file, spec.seed) == (tmp_path / "h.npy", 3)
+        with pytest.raises(SpecError, match="seed: must be an integer, got true"):
+            load_spec(MINIMAL | {"seed": np.True_})
 
 
 class TestHash:
@@ -351,6 +366,10 @@ class TestOverrides:
         spec = load_spec(valid, ["surface.H=0.8", "pressures.points=5"])
         assert "H: 0.8" in spec.text
         assert load_spec(spec.text) == spec
+
+    def test_a_whole_model_can_be_replaced(self, valid: str) -> None:
+        spec = load_spec(valid, ["models.bem={kind: persson, label: old, gamma: 1}"])
+        assert [model.name for model in spec.models] == ["old", "foundation", "persson"]
 
     def test_a_sweep_can_be_dropped(self, valid: str) -> None:
         spec = load_spec(valid + "sweep: {surface.qr: [1, 8]}\n", ["sweep={}", "surface.qr=2"])

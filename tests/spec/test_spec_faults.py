@@ -217,6 +217,20 @@ def test_an_override_of_what_the_sweep_varies_is_refused(
     )
 
 
+def test_an_override_and_a_faulty_sweep(valid: str, faults_of: FaultsOf) -> None:
+    assert faults_of(valid + "sweep: {zzz.y: [1]}\n", "seed=3") == [
+        (
+            "bad.yaml:21:9: error: sweep.zzz.y: the spec has no key 'zzz'; known here: name, "
+            "surface, pressures, realizations, seed, models, sweep"
+        )
+    ]
+
+
+def test_a_file_name_that_no_system_takes(faults_of: FaultsOf) -> None:
+    [fault] = faults_of(FILE.replace("heights", "h" * 5000))
+    assert fault.startswith("bad.yaml:1:29: error: surface.path: no such file: hhh")
+
+
 def test_faults_of_file_and_overrides_come_together(valid: str, faults_of: FaultsOf) -> None:
     assert faults_of(valid.replace("H: 0.7", "H: 2"), "seed=x", "zzz.y=1") == [
         "bad.yaml:3:6: error: surface.H: must be less than 1, got 2",
