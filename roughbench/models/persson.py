@@ -83,8 +83,8 @@ def persson_curve(spectrum: Spectrum, pressures: ArrayLike, gamma: float = 0.45)
 
     Notes
     -----
-    Against panels halved twice, all four change by less than 1e-11, relative, for p/E*
-    from 1e-8 to 0.5.
+    With all panels halved once more, ū, K and U change by less than 1e-11, relative, up to
+    the pressure where they vanish or overflow.
 
     Examples
     --------
