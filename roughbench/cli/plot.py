@@ -42,15 +42,13 @@ def command(results: Path, folder: Path, wanted: tuple[str, ...]) -> None:
     from roughbench import figures
     from roughbench.store import load
 
-    loaded = load(results)
-    names = figures.available(loaded)
     for name in wanted:
-        if name not in names:
+        if name not in figures.FIGURES:
             raise click.BadParameter(
-                f"{results} has no data for {name!r}; it can draw: {', '.join(names)}",
+                f"there is no figure {name!r}; choose among {', '.join(figures.FIGURES)}",
                 param_hint="--figure",
             )
-    folder.mkdir(parents=True, exist_ok=True)
-    for name in wanted or names:
+    loaded = load(results)
+    for name in wanted or figures.available(loaded):
         for path in figures.render(loaded, name, folder):
             click.echo(path)

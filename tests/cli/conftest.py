@@ -1,0 +1,75 @@
+"""A spec on disk, its results, and the command as a subprocess."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+import roughbench as rb
+from roughbench.cli import main
+
+SPEC = """\
+name: small
+surface: {H: 0.7, q0: 1.0, qr: 4.0, q1: 32.0, slope: 0.1}
+pressures: [1.0e-4, 1.0e-3, 1.0e-2]
+realizations: 20
+seed: 7
+models:
+  - kind: foundation
+    springs: 128
+  - kind: persson
+"""
+
+Invoke = Callable[..., Result]
+Popen = subprocess.Popen[str]
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return the current folder, with ``small.yaml`` in it."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "small.yaml").write_text(SPEC)
+    return tmp_path
+
+
+@pytest.fixture
+def results(folder: Path) -> Path:
+    """Return the results file of ``small.yaml``."""
+    rb.run(folder / "small.yaml", output=folder / "small.h5", threads=1)
+    return folder / "small.h5"
+
+
+@pytest.fixture
+def invoke() -> Invoke:
+    """Return a callable that runs a command line in this process."""
+
+    def run(*arguments: object) -> Result:
+        return CliRunner().invoke(main, [str(argument) for argument in arguments])
+
+    return run
+
+
+@pytest.fixture
+def start(folder: Path) -> Callable[..., Popen]:
+    """Return a callable that starts ``python -m roughbench`` in its own process group."""
+
+    def popen(*arguments: object) -> Popen:
+        return subprocess.Popen(
+            [sys.executable, "-m", "roughbench", *map(str, arguments)],
+            cwd=folder,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            encoding="utf-8",
+            start_new_session=True,
+            env=os.environ | {"PYTHONPATH": str(Path(rb.__file__).parents[1])},
+        )
+
+    return popen

@@ -1,0 +1,266 @@
+"""The commands that read: show, export, validate, schema, plot; help and start-up."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+from click.testing import Result
+
+import roughbench as rb
+from roughbench.cli import COMMANDS
+from roughbench.cli.tables import as_text, to_json
+from roughbench.results import ModelResult, Results
+
+Invoke = Callable[..., Result]
+Popen = subprocess.Popen[str]
+
+
+def refuse_constant(name: str) -> float:
+    raise AssertionError(f"{name} is no JSON")
+
+
+def with_gaps() -> Results:
+    """Return results with an infinite stiffness and a pressure where nothing converged."""
+    nan, inf = math.nan, math.inf
+    variables: dict[str, Any] = {
+        "pressure": np.array([0.1, 0.2, 0.3]),
+        "area": np.array([[0.5, 1.0, nan], [0.7, 1.0, nan]]),
+        "status": np.array([[0, 0, 2], [0, 0, 1]], np.int32),
+        "n_converged": np.array([2, 2, 0]),
+        "area_mean": np.array([0.6, 1.0, nan]),
+        "area_sem": np.array([0.1, 0.0, nan]),
+        "separation_mean": np.array([3.0, 0.0, nan]),
+        "separation_sem": np.array([0.25, nan, nan]),
+        "stiffness_mean": np.array([1.0 / 3.0, inf, nan]),
+        "stiffness_sem": np.array([0.01, nan, nan]),
+    }
+    attributes: dict[str, Any] = {"rms_height": 0.5, "surface": "file", "grid": 64, "x": -inf}
+    model = ModelResult("bem", "bem", "Exact (BEM)", attributes, variables)
+    return Results({"main": {"bem": model}}, "text", "abc", "gaps")
+
+
+# -- show ----------------------------------------------------------------------------------
+
+
+def test_show_prints_every_curve(results: Path, invoke: Invoke) -> None:
+    done = invoke("show", results)
+    assert done.exit_code == 0
+    lines = done.stdout.splitlines()
+    loaded = rb.load(results)
+    foundation = loaded["main"]["foundation"]
+    height = foundation.attributes["rms_height"]
+    assert lines[0] == f"{results}: small (spec sha256 {loaded.spec_sha256[:12]})"
+    assert f"h_rms = {height:.6g} (of the spectrum, continuum)" in lines
+    assert "foundation: Popov (1D foundation), 20 realizations" in lines
+    assert "persson: Persson, 1 realization" in lines
+    rows = [line.split() for line in lines if line.lstrip().startswith("1.000e-0")]
+    assert len(rows) == 6
+    assert float(rows[0][1]) == pytest.approx(foundation["area_mean"][0], rel=1e-4)
+    assert float(rows[0][4]) == pytest.approx(foundation["separation_mean"][0] / height, 1e-4)
+    assert float(rows[0][9]) == pytest.approx(foundation["stiffness_sem"][0] * height, rel=0.05)
+    assert rows[0][-1] == "20"
+    assert "inf" in rows[2]
+    assert max(len(line) for line in lines[1:]) <= 100
+
+
+def test_show_marks_what_is_infinite_or_unknown() -> None:
+    lines = as_text(with_gaps(), "gaps.h5").splitlines()
+    assert "h_rms = 0.5 (of the heights)" in lines
+    table = [" ".join(line.split()) for line in lines[-4:-1]]
+    assert table == [
+        "1.000e-01 6.0000e-01 ± 1.0e-01 6.0000e+00 ± 5.0e-01 1.6667e-01 ± 5.0e-03 2",
+        "2.000e-01 1.0000e+00 ± 0.0e+00 0.0000e+00 inf 2",
+        "3.000e-01 - - - 0",
+    ]
+    assert lines[-1].startswith("2 of 6 states did not converge; they are left out")
+
+
+def test_show_json_is_strict_and_complete(results: Path, invoke: Invoke) -> None:
+    done = invoke("show", results, "--json")
+    content = json.loads(done.stdout, parse_constant=refuse_constant)
+    loaded = rb.load(results)
+    assert content["spec"] == loaded.spec_text
+    for experiment, model in loaded.models():
+        found = content["experiments"][experiment][model.label]
+        assert found["n_unconverged"] == 0
+        assert found["units"]["separation_mean"] == "length"
+        assert list(found["variables"]) == list(model)
+        for name, values in found["variables"].items():
+            numbers = [math.nan if v is None else float(v) for v in np.ravel(values)]
+            np.testing.assert_array_equal(numbers, np.ravel(model[name]))
+
+
+def test_json_of_infinities_and_gaps() -> None:
+    content = json.loads(to_json(with_gaps()), parse_constant=refuse_constant)
+    found = content["experiments"]["main"]["bem"]
+    assert found["variables"]["stiffness_mean"] == [1.0 / 3.0, "inf", None]
+    assert found["attributes"]["x"] == "-inf"
+    assert found["n_unconverged"] == 2
+
+
+def test_show_refuses_other_files(folder: Path, invoke: Invoke) -> None:
+    for name, message in (("missing.h5", "no such file"), ("small.yaml", "not an HDF5 file")):
+        done = invoke("show", name)
+        assert done.exit_code == 1
+        assert done.stdout == ""
+        assert done.stderr.startswith(f"error: {name}: {message}")
+    with h5py.File(folder / "other.h5", "w"):
+        pass
+    assert "not written by roughbench" in invoke("show", "other.h5").stderr
+
+
+def test_show_into_a_closed_pipe(results: Path, start: Callable[..., Popen]) -> None:
+    process = start("show", results, "--json")
+    assert process.stdout is not None
+    process.stdout.close()
+    assert process.stderr is not None
+    assert process.stderr.read() == ""
+    assert process.wait(timeout=60) in (0, 1)
+    process.stderr.close()
+
+
+# -- export --------------------------------------------------------------------------------
+
+
+def test_export_writes_one_file_a_model(results: Path, folder: Path, invoke: Invoke) -> None:
+    done = invoke("export", results, "--csv", "a/b", "--states")
+    assert done.exit_code == 0
+    paths = [folder / line for line in done.stdout.splitlines()]
+    assert [path.name for path in paths] == [
+        "main-foundation.csv",
+        "main-foundation-states.csv",
+        "main-persson.csv",
+        "main-persson-states.csv",
+    ]
+    model = rb.load(results)["main"]["foundation"]
+    with paths[0].open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 3
+    for name in ("pressure", "area_mean", "separation_sem", "stiffness_mean"):
+        column = [float(row[f"{name} [{model.units(name)}]"]) for row in rows]
+        np.testing.assert_array_equal(column, model[name])
+    with paths[1].open(newline="") as file:
+        states = list(csv.DictReader(file))
+    assert len(states) == 60
+    assert (states[4]["realization [1]"], states[4]["pressure [1]"]) == ("1", "0.001")
+    assert float(states[4]["area [1]"]) == model["area"][1, 1]
+
+
+def test_export_needs_a_folder(results: Path, folder: Path, invoke: Invoke) -> None:
+    assert invoke("export", results).exit_code == 2
+    assert invoke("export", results, "--csv", "small.yaml").exit_code == 2
+    (folder / "tables").mkdir()
+    assert invoke("export", results, "--csv", "tables").exit_code == 0
+    assert len(list((folder / "tables").iterdir())) == 2
+
+
+# -- validate, schema ----------------------------------------------------------------------
+
+
+def test_validate_says_what_a_spec_computes(folder: Path, invoke: Invoke) -> None:
+    done = invoke("validate", "small.yaml")
+    assert (done.exit_code, done.stderr) == (0, "")
+    assert done.stdout == "small.yaml: valid; 1 experiment, foundation, persson, 63 states\n"
+    assert [entry.name for entry in folder.iterdir()] == ["small.yaml"]
+
+
+def test_validate_checks_all_of_several(folder: Path, invoke: Invoke) -> None:
+    text = (folder / "small.yaml").read_text()
+    (folder / "bad.yaml").write_text(text.replace("slope: 0.1", "slpoe: -0.1"))
+    (folder / "sweep.yaml").write_text(text + "sweep: {surface.qr: [1.0, 8.0]}\n")
+    done = invoke("validate", "bad.yaml", "small.yaml", "sweep.yaml")
+    assert done.exit_code == 2
+    assert "small.yaml: valid" in done.stdout
+    assert "2 experiments, foundation, persson, 126 states" in done.stdout
+    assert "bad.yaml:2:" in done.stderr
+    assert "did you mean 'slope'" in done.stderr
+    assert invoke("validate").exit_code == 2
+
+
+def test_schema_is_json(invoke: Invoke) -> None:
+    schema = json.loads(invoke("schema").stdout)
+    assert {"surface", "pressures", "models"} <= set(schema["properties"])
+
+
+# -- plot ----------------------------------------------------------------------------------
+
+
+def test_plot_draws_what_the_results_allow(results: Path, folder: Path, invoke: Invoke) -> None:
+    done = invoke("plot", results, "-o", "pictures", "--figure", "area")
+    assert done.exit_code == 0, done.stderr
+    paths = [folder / line for line in done.stdout.splitlines()]
+    assert {path.suffix for path in paths} == {".pdf", ".png"}
+    assert all(path.stat().st_size > 1000 for path in paths)
+    assert sorted(paths) == sorted((folder / "pictures").iterdir())
+
+
+def test_plot_draws_all_that_it_can(results: Path, folder: Path, invoke: Invoke) -> None:
+    done = invoke("plot", results)
+    assert done.exit_code == 0, done.stderr
+    paths = [folder / line for line in done.stdout.splitlines()]
+    names = {path.stem for path in paths}
+    assert {"area", "separation", "stiffness"} <= names
+    assert sorted(paths) == sorted((folder / "figures").iterdir())
+
+
+def test_plot_refuses_unknown_figures(results: Path, folder: Path, invoke: Invoke) -> None:
+    done = invoke("plot", results, "--figure", "portrait")
+    assert done.exit_code == 2
+    assert "there is no figure 'portrait'; choose among" in " ".join(done.stderr.split())
+    assert not (folder / "figures").exists()
+
+
+# -- help and start-up ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_has_help_with_an_example(invoke: Invoke, name: str) -> None:
+    done = invoke(name, "--help")
+    assert done.exit_code == 0
+    assert f"  Example:\n    roughbench {name}" in done.stdout
+    assert "--debug" in done.stdout
+    summary = invoke("--help").stdout
+    assert name in summary
+    assert "..." not in summary.partition("Commands:")[2]
+
+
+def test_usage(invoke: Invoke) -> None:
+    assert invoke("--help").exit_code == 0
+    assert invoke("--version").stdout == f"roughbench {rb.__version__}\n"
+    done = invoke("walk")
+    assert done.exit_code == 2
+    assert "No such command 'walk'" in done.stderr
+
+
+def imported(*arguments: str) -> set[str]:
+    """Return the top-level modules that a command imports."""
+    done = subprocess.run(
+        [sys.executable, "-X", "importtime", "-m", "roughbench", *arguments],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=os.environ | {"PYTHONPATH": str(Path(rb.__file__).parents[1])},
+    )
+    names = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}
+    return {name.partition(".")[0] for name in names}
+
+
+def test_help_and_validate_import_nothing_heavy(folder: Path) -> None:
+    heavy = {"numba", "scipy", "matplotlib", "pyfftw"}
+    helped = imported("--help")
+    assert "click" in helped  # the listing works
+    assert not helped & (heavy | {"h5py", "numpy", "pydantic", "yaml", "tqdm"})
+    validated = imported("validate", str(folder / "small.yaml"))
+    assert "pydantic" in validated
+    assert not validated & (heavy | {"tqdm"})

@@ -1,0 +1,256 @@
+"""``roughbench run``: its file, its streams, its exit codes, and Ctrl-C."""
+
+from __future__ import annotations
+
+import os
+import pty
+import signal
+import subprocess
+import sys
+import termios
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import click
+import numpy as np
+import pytest
+from click.testing import Result
+
+import roughbench as rb
+from roughbench import runner
+from roughbench.cli import progress as cli_progress
+from roughbench.results import Results
+from roughbench.runner import Progress
+
+Invoke = Callable[..., Result]
+Popen = subprocess.Popen[str]
+
+
+def test_leaves_the_results_file_and_says_so(folder: Path, invoke: Invoke) -> None:
+    done = invoke("run", "small.yaml", "--threads", 1)
+    assert done.exit_code == 0
+    assert done.stdout == "small.h5\n"
+    assert "main/foundation: 20 × 3" in done.stderr
+    assert "roughbench show small.h5" in done.stderr
+    assert "roughbench plot small.h5" in done.stderr
+    assert "did not converge" not in done.stderr
+    loaded = rb.load("small.h5")
+    assert list(loaded["main"]) == ["foundation", "persson"]
+    assert loaded.spec_text == (folder / "small.yaml").read_text()
+    assert sorted(entry.name for entry in folder.iterdir()) == ["small.h5", "small.yaml"]
+
+
+def test_as_a_module_with_jobs(folder: Path, start: Callable[..., Popen]) -> None:
+    for jobs, name in ((1, "one.h5"), (2, "two.h5")):
+        process = start("run", "small.yaml", "-j", jobs, "--threads", 1, "-o", name)
+        stdout, stderr = process.communicate(timeout=120)
+        assert (process.returncode, stdout) == (0, f"{name}\n"), stderr
+    assert (folder / "one.h5").read_bytes() == (folder / "two.h5").read_bytes()
+
+
+def test_set_and_output(folder: Path, invoke: Invoke) -> None:
+    options = ("--set", "surface.H=0.8", "--set", "realizations=2", "-o", "h 08.h5")
+    done = invoke("run", "small.yaml", *options)
+    assert done.exit_code == 0
+    assert "roughbench show 'h 08.h5'" in done.stderr
+    foundation = rb.load(folder / "h 08.h5")["main"]["foundation"]
+    assert (foundation.attributes["hurst"], foundation.n_realizations) == (0.8, 2)
+
+
+def test_an_existing_file_is_replaced(results: Path, invoke: Invoke) -> None:
+    before = results.read_bytes()
+    assert invoke("run", "small.yaml", "--set", "seed=8").exit_code == 0
+    assert results.read_bytes() != before
+    assert invoke("run", "small.yaml").exit_code == 0
+
+
+def test_quiet_and_verbose(folder: Path, invoke: Invoke) -> None:
+    assert invoke("run", "small.yaml", "-q").stderr == ""
+    told = invoke("run", "small.yaml", "-v").stderr
+    assert "60 of 63 states (95%) after" in told
+    assert "main/foundation, realization 20 of 20" in told
+    assert (folder / "small.h5").exists()
+
+
+def test_one_line_in_thirty_seconds_without_a_terminal(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = iter([0.0, 10.0, 31.0, 45.0, 62.0])
+    monkeypatch.setattr(time, "monotonic", lambda: next(clock))
+    with cli_progress.progress_shown(quiet=False, verbose=False) as report:
+        assert report is not None
+        for done in (1, 2, 3, 4):
+            report(Progress(done, 4, f"state {done}"))
+    lines = capsys.readouterr().err.splitlines()
+    assert lines == [
+        "2 of 4 states (50%) after 31.0 s, about 31.0 s left: state 2",
+        "4 of 4 states (100%) after 1 min 2 s: state 4",
+    ]
+
+
+def test_a_bar_on_a_terminal(folder: Path) -> None:
+    outer, inner = pty.openpty()
+    termios.tcsetwinsize(inner, (24, 80))
+    environment = os.environ | {"PYTHONPATH": str(Path(rb.__file__).parents[1])}
+    with subprocess.Popen(
+        [sys.executable, "-m", "roughbench", "run", "small.yaml"],
+        cwd=folder,
+        stdout=subprocess.DEVNULL,
+        stderr=inner,
+        env=environment,
+    ) as process:
+        os.close(inner)
+        told = b""
+        while True:
+            try:
+                piece = os.read(outer, 65536)
+            except OSError:  # the other end is closed
+                break
+            if not piece:
+                break
+            told += piece
+    os.close(outer)
+    assert process.returncode == 0
+    assert b"/63" in told
+    assert b"state" in told
+
+
+def test_unconverged_states_are_reported(
+    folder: Path, invoke: Invoke, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    original = runner.run
+
+    def spoiled(*arguments: object, **options: object) -> Results:
+        results = original(*arguments, **options)  # type: ignore[arg-type]
+        foundation = results["main"]["foundation"]
+        status = np.zeros((20, 3), np.int32)
+        status[3:5, 2] = 1
+        changed = replace(foundation, variables={**foundation.variables, "status": status})
+        return replace(results, experiments={"main": {"foundation": changed}})
+
+    monkeypatch.setattr(runner, "run", spoiled)
+    done = invoke("run", "small.yaml", "-q")
+    assert done.exit_code == 0
+    assert done.stderr == (
+        "warning: main/foundation: 2 of 60 states did not converge; "
+        "they are left out of the averages\n"
+    )
+    assert (folder / "small.h5").exists()
+
+
+def test_an_invalid_spec_exits_2(folder: Path, invoke: Invoke) -> None:
+    (folder / "bad.yaml").write_text(
+        "surface: {H: 7, q0: 1, q1: 32, slope: 0.1}\npressures: [1e-3]\nmodels: [{kind: bam}]\n"
+    )
+    done = invoke("run", "bad.yaml")
+    assert done.exit_code == 2
+    assert done.stdout == ""
+    assert "bad.yaml:1:14: error: surface.H" in done.stderr
+    assert "bad.yaml:3:" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert invoke("run", "missing.yaml").exit_code == 2
+    assert invoke("run", "small.yaml", "--set", "surface.H").exit_code == 2
+    assert invoke("run").exit_code == 2
+    assert invoke("run", "small.yaml", "-j", 0).exit_code == 2
+
+
+def test_unusable_heights_exit_2(folder: Path, invoke: Invoke) -> None:
+    np.save(folder / "plane.npy", np.arange(64.0).reshape(8, 8))
+    (folder / "file.yaml").write_text(
+        "surface: {kind: file, path: plane.npy, length: 1.0}\n"
+        "pressures: [1e-3]\nmodels: [{kind: foundation}]\n"
+    )
+    for command in ("run", "validate"):
+        done = invoke(command, "file.yaml")
+        assert done.exit_code == 2
+        assert "error: main/foundation: plane.npy: its shape is (8, 8)" in done.stderr
+
+
+def test_a_bad_output_exits_1_at_once(folder: Path, invoke: Invoke) -> None:
+    done = invoke("run", "small.yaml", "-o", "missing/r.h5")
+    assert done.exit_code == 1
+    assert done.stderr.startswith("error: cannot write missing/r.h5: no such folder")
+    assert not (folder / "missing").exists()
+
+
+@pytest.mark.parametrize(
+    ("error", "message"),
+    [
+        (rb.SolverError("refused"), "error: refused\n"),
+        (MemoryError("8 GB"), "error: out of memory (8 GB); take a smaller grid"),
+        (ZeroDivisionError("oops"), "error: ZeroDivisionError: oops\nThis is a fault of rough"),
+    ],
+)
+@pytest.mark.usefixtures("folder")
+def test_a_failure_exits_1_with_one_clean_message(
+    invoke: Invoke, monkeypatch: pytest.MonkeyPatch, error: Exception, message: str
+) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise error
+
+    monkeypatch.setattr(runner, "run", fail)
+    done = invoke("run", "small.yaml")
+    assert done.exit_code == 1
+    assert done.stderr.startswith(message)
+    assert "Traceback" not in done.stderr
+    debugged = invoke("run", "small.yaml", "--debug")
+    assert debugged.exit_code == 1
+    assert "Traceback" in debugged.stderr
+    assert message in debugged.stderr
+
+
+@pytest.mark.usefixtures("folder")
+def test_click_has_its_own_way_out(invoke: Invoke, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise click.FileError("x", "hint")
+
+    monkeypatch.setattr(runner, "run", fail)
+    assert invoke("run", "small.yaml").exit_code == 1
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_ctrl_c_ends_it_cleanly(
+    results: Path, folder: Path, start: Callable[..., Popen], jobs: int
+) -> None:
+    before = results.read_bytes()
+    long = ("--set", "realizations=100000", "--set", "models.foundation.springs=16384")
+    process = start("run", "small.yaml", "-v", "-j", jobs, *long)
+    assert process.stderr is not None
+    while "realization" not in process.stderr.readline():
+        assert process.poll() is None
+    # A terminal sends the signal to the whole group: to the workers as well.
+    os.killpg(process.pid, signal.SIGINT)
+    sent = time.monotonic()
+    stdout, stderr = process.communicate(timeout=60)
+    assert time.monotonic() - sent < 20.0
+    assert process.returncode == 130
+    assert stdout == ""
+    assert stderr.splitlines()[-1] == "interrupted"
+    assert "Traceback" not in stderr
+    assert results.read_bytes() == before
+    assert sorted(entry.name for entry in folder.iterdir()) == ["small.h5", "small.yaml"]
+    assert_no_process_left(process.pid)
+
+
+def test_workers_end_with_a_killed_parent(start: Callable[..., Popen]) -> None:
+    long = ("--set", "realizations=100000", "--set", "models.foundation.springs=16384")
+    process = start("run", "small.yaml", "-v", "-j", 2, *long)
+    assert process.stderr is not None
+    while "realization" not in process.stderr.readline():
+        assert process.poll() is None
+    process.kill()
+    process.communicate(timeout=60)
+    assert_no_process_left(process.pid)
+
+
+def assert_no_process_left(group: int) -> None:
+    """Wait until no process of the group is left; fails after ten seconds."""
+    for _ in range(100):
+        try:
+            os.killpg(group, 0)
+        except ProcessLookupError:
+            return
+        time.sleep(0.1)
+    pytest.fail(f"processes of group {group} are still there")

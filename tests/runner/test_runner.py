@@ -1,0 +1,323 @@
+"""Runs: what they compute, leave out, report, and that the jobs do not show in the bytes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+import pytest
+
+import roughbench as rb
+from roughbench.models.base import Curve, FloatArray, Model, Sample, Status
+from roughbench.models.foundation import foundation_curve
+from roughbench.models.persson import Persson, persson_curve
+from roughbench.runner import Progress, check, plan
+from roughbench.runner.assemble import assemble
+from roughbench.runner.compute import compute
+from roughbench.runner.plan import Cell, Task, tasks_of
+from roughbench.runner.pool import compute_all
+from roughbench.runner.samples import make_sample
+from roughbench.spec import load_spec
+
+Misdeed = Literal[
+    "none", "unconverged", "nan area", "nan stiffness", "shape", "refuse", "crash", "die"
+]
+
+
+class Fake(Model):
+    """Area r + p, separation 1, stiffness inf at the last pressure; misbehaves on demand."""
+
+    dimension: ClassVar[int] = 1
+    title: ClassVar[str] = "Fake"
+
+    kind: Literal["fake"] = "fake"
+    misdeed: Misdeed = "none"
+    flag: bool = True
+
+    def grid_points(self, spectrum: object, length: float) -> int:
+        del spectrum, length
+        return 128
+
+    def curve(self, sample: Sample, pressures: FloatArray, *, threads: int = 1) -> Curve:
+        assert sample.heights is not None
+        index = float(np.argmax(sample.heights))
+        shape = pressures.shape
+        if self.misdeed == "refuse":
+            raise rb.SolverError("refused")
+        if self.misdeed == "crash":
+            raise ZeroDivisionError("a fault of the model")
+        if self.misdeed == "die":
+            import os
+
+            os._exit(9)
+        stiffness = np.where(pressures == pressures.max(), np.inf, pressures)
+        curve = Curve(
+            pressure=pressures,
+            area=index + pressures,
+            separation=np.ones(shape),
+            stiffness=stiffness,
+            energy=np.full(shape, np.nan),
+            status=np.zeros(shape, np.int32),
+            area_raw=np.full(shape, 0.5),
+            diagnostics={"threads": np.full(shape, threads), "even": pressures > 1e-3},
+        )
+        if self.misdeed == "unconverged" and index % 2:
+            status = np.array([0, Status.STAGNATED, Status.MAX_ITERATIONS], np.int32)
+            return replace(curve, status=status, area=np.array([index, 1e9, np.nan]))
+        if self.misdeed == "nan area":
+            return replace(curve, area=np.array([np.nan, 0.0, np.inf]))
+        if self.misdeed == "nan stiffness":
+            return replace(curve, stiffness=np.full(shape, np.nan))
+        if self.misdeed == "shape":
+            return replace(curve, energy=np.zeros(2))
+        return curve
+
+
+@pytest.fixture
+def cell(small_spec: dict[str, Any]) -> Cell:
+    spec = load_spec(small_spec)
+    return Cell("main", Fake(), spec.surface, spec.pressures, 6, spec.seed)
+
+
+def computed(cell: Cell, misdeed: Misdeed) -> rb.ModelResult:
+    cell = replace(cell, model=Fake(misdeed=misdeed))
+    return assemble(cell, [compute(task, 1) for task in tasks_of(cell)])
+
+
+# -- what is computed ----------------------------------------------------------------------
+
+
+def test_results_are_those_of_the_models(small_spec: dict[str, Any]) -> None:
+    spec = load_spec(small_spec)
+    results = rb.run(small_spec)
+    found = results["main"]["foundation"]
+    assert found["area"].shape == (20, 3)
+    for realization in (0, 17):
+        sample = make_sample(spec.surface, spec.models[0], 7, realization)
+        assert sample.heights is not None
+        curve = foundation_curve(sample.heights, spec.pressures, sample.length)
+        for name in ("area", "separation", "stiffness", "energy"):
+            np.testing.assert_array_equal(found[name][realization], getattr(curve, name))
+    persson = results["main"]["persson"]
+    assert persson["area"].shape == (1, 3)
+    curve = persson_curve(sample_spectrum(spec), spec.pressures, 0.45)
+    np.testing.assert_array_equal(persson["separation_mean"], curve.separation)
+    np.testing.assert_allclose(found["area_mean"], found["area"].mean(axis=0), rtol=1e-13)
+    assert found.attributes["seed"] == 7
+    assert (results.name, results.spec_sha256) == ("small", spec.sha256)
+
+
+def sample_spectrum(spec: rb.Spec) -> Any:
+    return make_sample(spec.surface, Persson(), 0, 0).spectrum
+
+
+def test_a_sweep_makes_several_experiments(small_spec: dict[str, Any]) -> None:
+    results = rb.run({**small_spec, "realizations": 2, "sweep": {"surface.qr": [8.0, 2.0]}})
+    assert len(results) == 2
+    one, other = results.values()
+    assert [m["foundation"].attributes["q_rolloff"] for m in (one, other)] == [8.0, 2.0]
+    assert one["foundation"]["separation_mean"][0] < other["foundation"]["separation_mean"][0]
+
+
+def test_a_model_may_override_the_realizations(small_spec: dict[str, Any]) -> None:
+    results = rb.run(small_spec, overrides=["models.foundation.realizations=3"])
+    assert results["main"]["foundation"].n_realizations == 3
+
+
+def test_heights_from_a_file(tmp_path: Path, rng: np.random.Generator) -> None:
+    line = rng.normal(size=64)
+    np.save(tmp_path / "line.npy", line)
+    (tmp_path / "spec.yaml").write_text(
+        "surface: {kind: file, path: line.npy, length: 3.0}\n"
+        "pressures: [0.1, 0.5]\n"
+        "models: [{kind: foundation}, {kind: persson}]\n"
+    )
+    results = rb.run(tmp_path / "spec.yaml")
+    found = results["main"]["foundation"]
+    expected = foundation_curve(line - line.mean(), [0.1, 0.5], 3.0)
+    np.testing.assert_array_equal(found["area"], [expected.area])
+    assert found.attributes["rms_height"] == pytest.approx(line.std())
+    assert found["rms_height"].tolist() == [found.attributes["rms_height"]]
+    assert results["main"]["persson"]["area_mean"][0] > 0.0
+
+
+def test_heights_of_a_wrong_dimension_are_refused_before_anything_is_computed(
+    tmp_path: Path,
+) -> None:
+    np.save(tmp_path / "plane.npy", np.arange(64.0).reshape(8, 8))
+    (tmp_path / "spec.yaml").write_text(
+        "surface: {kind: file, path: plane.npy, length: 3.0}\n"
+        "pressures: [0.1]\n"
+        "models: [{kind: persson}, {kind: foundation}]\n"
+    )
+    with pytest.raises(rb.SurfaceError, match=r"main/foundation: plane\.npy: its shape is"):
+        rb.run(tmp_path / "spec.yaml", output=tmp_path / "r.h5")
+    assert not (tmp_path / "r.h5").exists()
+
+
+# -- states that do not count --------------------------------------------------------------
+
+
+def test_unconverged_states_are_left_out_and_counted(cell: Cell) -> None:
+    found = computed(cell, "unconverged")
+    bad = found["status"][:, 1] != 0
+    assert 0 < bad.sum() < 6  # both kinds of realizations
+    assert found.n_unconverged == 2 * bad.sum()
+    assert found["n_converged"].tolist() == [6, 6 - bad.sum(), 6 - bad.sum()]
+    assert found["area_mean"][1] == pytest.approx(found["area"][~bad, 1].mean())
+    assert found["area_mean"].max() < 200.0  # not 1e9
+    assert set(found["status"][bad, 2]) == {Status.MAX_ITERATIONS}
+
+
+def test_what_is_not_finite_never_passes_as_converged(cell: Cell) -> None:
+    found = computed(cell, "nan area")
+    assert found["status"].tolist() == [[3, 0, 3]] * 6
+    assert np.isnan(found["area_mean"]).tolist() == [True, False, True]
+    assert computed(cell, "nan stiffness")["status"].tolist() == [[3, 3, 3]] * 6
+
+
+def test_infinite_stiffness_is_full_contact(cell: Cell) -> None:
+    found = computed(cell, "none")
+    assert found.n_unconverged == 0
+    assert found["stiffness_mean"].tolist() == [1e-4, 1e-3, np.inf]
+    assert np.isnan(found["stiffness_sem"][2])
+    assert found["stiffness_harmonic"].tolist() == pytest.approx([1e-4, 1e-3, np.inf])
+
+
+def test_optional_variables_and_diagnostics_are_kept(cell: Cell, tmp_path: Path) -> None:
+    found = computed(cell, "none")
+    assert found["area_raw_mean"].tolist() == [0.5] * 3
+    assert found["threads"].dtype == np.int64
+    assert found["even"].tolist() == [[0, 0, 1]] * 6
+    assert found.attributes["flag"] == "true"
+    results = rb.Results({"main": {"fake": found}}, "", "")
+    from roughbench.store import write_results
+
+    loaded = rb.load(write_results(results, tmp_path / "r.h5"))["main"]["fake"]
+    assert loaded["even"].tolist() == [[0, 0, 1]] * 6
+
+
+def test_a_curve_of_another_shape_is_an_error(cell: Cell) -> None:
+    with pytest.raises(ValueError, match=r"energy has shape \(2,\), the pressures \(3,\)"):
+        computed(cell, "shape")
+
+
+# -- tasks and processes -------------------------------------------------------------------
+
+
+def test_every_realization_is_in_one_task(cell: Cell) -> None:
+    tasks = tasks_of(replace(cell, n_realizations=37))
+    assert [i for task in tasks for i in task.realizations] == list(range(37))
+    assert str(tasks[0]) == "main/fake, realizations 1 to 16 of 37"
+    assert str(Task(tasks[0].cell, range(4, 5))) == "main/fake, realization 5 of 37"
+    assert str(tasks_of(replace(cell, n_realizations=1))[0]) == "main/fake"
+
+
+def test_check_names_every_fault(small_spec: dict[str, Any]) -> None:
+    cells = plan(load_spec(small_spec))
+    check(cells)
+    coarse = cells[0].model.model_copy(update={"springs": 8})
+    with pytest.raises(rb.SurfaceError, match="main/foundation: 8 points per side are too"):
+        check([replace(cells[0], model=coarse), cells[1]])
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_the_file_is_the_same_to_the_byte_for_any_number_of_jobs(
+    small_spec: dict[str, Any], tmp_path: Path, jobs: int
+) -> None:
+    # Gaussian amplitudes, several tasks per cell, and full contact in some of them.
+    surface = {**small_spec["surface"], "amplitude": "gaussian"}
+    spec = {**small_spec, "surface": surface, "realizations": 40, "pressures": [1e-4, 3e-3]}
+    one, other = tmp_path / "one.h5", tmp_path / "other.h5"
+    rb.run(spec, output=one, threads=1)
+    rb.run(spec, output=other, threads=1, jobs=jobs)
+    assert one.read_bytes() == other.read_bytes()
+    results = rb.run(spec)
+    loaded = rb.load(one)
+    for name in results["main"]["foundation"]:
+        memory, disk = (r["main"]["foundation"][name] for r in (results, loaded))
+        np.testing.assert_array_equal(memory, disk)
+
+
+def test_threads_default_to_the_cores_of_each_job(
+    monkeypatch: pytest.MonkeyPatch, small_spec: dict[str, Any]
+) -> None:
+    from roughbench.runner import driver
+
+    seen: list[tuple[int, int]] = []
+
+    def spy(tasks: list[Task], *, jobs: int, threads: int, finished: Any) -> list[Any]:
+        seen.append((jobs, threads))
+        return compute_all(tasks, jobs=1, threads=threads, finished=finished)
+
+    monkeypatch.setattr(driver, "compute_all", spy)
+    monkeypatch.setattr(driver, "available_cores", lambda: 8)
+    for jobs, threads in ((1, None), (3, None), (16, None), (2, 5)):
+        driver.run(small_spec, jobs=jobs, threads=threads)
+    assert seen == [(1, 8), (3, 2), (16, 1), (2, 5)]
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_progress_counts_every_state_once(small_spec: dict[str, Any], jobs: int) -> None:
+    news: list[Progress] = []
+    rb.run(small_spec, jobs=jobs, threads=1, progress=news.append)
+    assert [n.total for n in news] == [63] * len(news)
+    done = [n.done for n in news]
+    assert done == sorted(set(done))
+    assert (done[0], done[-1]) == (0, 63)
+    texts = {n.text for n in news}
+    assert "main/persson" in texts
+    if jobs == 1:
+        assert "main/foundation, realization 20 of 20" in texts
+    else:
+        assert "main/foundation, realizations 17 to 20 of 20" in texts
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_failed_task_names_its_realization(cell: Cell, jobs: int) -> None:
+    cell = replace(cell, model=Fake(misdeed="refuse"))
+    with pytest.raises(rb.SolverError, match="main/fake, realization 1 of 6: refused"):
+        compute_all(tasks_of(cell), jobs=jobs, threads=1, finished=lambda _: None)
+
+
+def test_a_crashed_task_is_not_disguised(cell: Cell) -> None:
+    cell = replace(cell, model=Fake(misdeed="crash"))
+    with pytest.raises(ZeroDivisionError, match="a fault of the model"):
+        compute_all(tasks_of(cell), jobs=2, threads=1, finished=lambda _: None)
+
+
+def test_a_dead_worker_is_an_error_with_a_remedy(cell: Cell) -> None:
+    cell = replace(cell, model=Fake(misdeed="die"))
+    with pytest.raises(rb.RoughbenchError, match=r"a worker process died .* fewer jobs \(-j\)"):
+        compute_all(tasks_of(cell), jobs=2, threads=1, finished=lambda _: None)
+
+
+def test_nothing_is_written_when_a_task_fails(
+    cell: Cell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, small_spec: dict[str, Any]
+) -> None:
+    from roughbench.runner import driver
+
+    cells = [replace(cell, model=Fake(misdeed="refuse"))]
+    monkeypatch.setattr(driver, "plan", lambda _: cells)
+    with pytest.raises(rb.SolverError, match="refused"):
+        driver.run(small_spec, output=tmp_path / "r.h5")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("jobs", "threads"), [(0, None), (1, 0), (-1, 1)])
+def test_refuses_no_jobs_and_no_threads(
+    small_spec: dict[str, Any], jobs: int, threads: int | None
+) -> None:
+    with pytest.raises(rb.RoughbenchError, match="must be at least 1, got"):
+        rb.run(small_spec, jobs=jobs, threads=threads)
+
+
+def test_refuses_a_bad_output_before_it_computes(
+    small_spec: dict[str, Any], tmp_path: Path
+) -> None:
+    news: list[Progress] = []
+    with pytest.raises(rb.StoreError, match="no such folder"):
+        rb.run(small_spec, output=tmp_path / "missing" / "r.h5", progress=news.append)
+    assert news == []

@@ -1,0 +1,131 @@
+"""The way of the data, and one owner for each package: kept by parsing the imports."""
+
+from __future__ import annotations
+
+import ast
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import roughbench
+
+LAYERS = (
+    "errors",
+    "spectrum",
+    "surface",
+    "heights_file",
+    "transform",
+    "models",
+    "observables",
+    "spec",
+    "ensemble",
+    "results",
+    "store",
+    "runner",
+    "figures",
+    "__init__",
+    "cli",
+    "__main__",
+)
+"""What a module imports stands in its own layer or in one before it."""
+
+APART = {
+    "models": {"heights_file"},  # models know no files
+}
+"""Layers that stand before another and are yet none of its business."""
+
+OWNERS = {
+    "click": {"cli"},
+    "h5py": {"heights_file", "store"},
+    "matplotlib": {"figures"},
+    "numba": {"models"},
+    "pydantic": {"models", "spec"},
+    "pydantic_core": {"spec"},
+    "pyfftw": {"transform"},
+    "scipy": {"models"},
+    "tqdm": {"cli"},
+    "yaml": {"spec"},
+}
+"""Third-party package → the layers that may import it. NumPy is everybody's."""
+
+ROOT = Path(roughbench.__file__).parent
+
+
+def modules(root: Path) -> Iterator[tuple[str, str]]:
+    """Yield the dotted name within the package, and the text, of every module."""
+    for path in sorted(root.rglob("*.py")):
+        parts = path.relative_to(root).with_suffix("").parts
+        yield ".".join(parts), path.read_text(encoding="utf-8")
+
+
+def imports(name: str, text: str) -> Iterator[str]:
+    """Yield every imported name, in functions and for type checking as well."""
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            if node.level:
+                yield f"relative import in {name}"
+            elif node.module == "roughbench":
+                yield from (f"roughbench.{alias.name}" for alias in node.names)
+            else:
+                yield node.module or ""
+
+
+def faults(name: str, text: str) -> Iterator[str]:
+    """Yield what a module imports against the rules."""
+    layer = name.partition(".")[0]
+    if layer not in LAYERS:
+        yield f"{name}: in no known layer; give it a place in LAYERS"
+        return
+    everybodys = sys.stdlib_module_names | {"numpy"}
+    before = set(LAYERS[: LAYERS.index(layer) + 1]) - APART.get(layer, set())
+    for target in imports(name, text):
+        package, _, inner = target.partition(".")
+        if package == "roughbench":
+            found = inner.partition(".")[0]
+            wanted = found if found in LAYERS else "__init__"
+            if wanted not in before:
+                yield f"{name}: imports {target}, which stands behind it"
+        elif package not in everybodys and layer not in OWNERS.get(package, set()):
+            yield f"{name}: imports {target}, which has another owner"
+
+
+@pytest.mark.parametrize(("name", "text"), [pytest.param(n, t, id=n) for n, t in modules(ROOT)])
+def test_imports_follow_the_way_of_the_data(name: str, text: str) -> None:
+    assert list(faults(name, text)) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "fault"),
+    [
+        ("models.new", "from roughbench.spec import Spec", "stands behind it"),
+        ("models.new", "def f():\n    from roughbench import store", "stands behind it"),
+        ("spectrum", "import roughbench", "stands behind it"),
+        ("store", "import roughbench.runner.plan", "stands behind it"),
+        ("runner.new", "from roughbench import figures", "stands behind it"),
+        ("models.new", "if TYPE_CHECKING:\n    import h5py", "another owner"),
+        ("runner.new", "from click import echo", "another owner"),
+        ("spec.new", "import pandas as pd", "another owner"),
+        ("cli.new", "from ..store import load", "another owner"),
+        ("helpers", "", "no known layer"),
+    ],
+)
+def test_a_fault_would_be_found(name: str, text: str, fault: str) -> None:
+    assert [fault in found for found in faults(name, text)] == [True]
+
+
+def test_nothing_is_parsed_twice_or_missed() -> None:
+    names = [name for name, _ in modules(ROOT)]
+    assert {"__init__", "errors", "models.base", "cli.run"} <= set(names)
+    assert len(names) == len(set(names))
+    seen = {target.partition(".")[0] for module in modules(ROOT) for target in imports(*module)}
+    assert set(OWNERS) <= seen  # no owner of nothing
+
+
+def test_no_module_hides_a_public_name() -> None:
+    """Importing ``roughbench.x`` binds x in the package, over a function of that name."""
+    inner = {name.partition(".")[0] for name, _ in modules(ROOT)}
+    assert not inner & set(roughbench.__all__)
