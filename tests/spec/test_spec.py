@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 import pickle
 import subprocess
@@ -263,12 +264,19 @@ class TestHash:
         assert one.sha256 == two.sha256
         assert one != 3
 
-    def test_it_stays_what_it_was(self, valid: str) -> None:
-        # The identity of stored results: a change here makes all of them foreign.
-        assert (
-            load_spec(valid).sha256
-            == "de8b73b2bcbb7ae23f47a0641110eb83f50029ca349f9d6792e2882c7b4fd816"
+    def test_it_is_that_of_the_canonical_json(self) -> None:
+        # The identity of stored results: a change of its form makes all of them foreign.
+        models = [{"kind": "persson"}]
+        spec = load_spec(
+            MINIMAL | {"surface": MINIMAL["surface"] | {"q0": 1}, "models": models}
         )
+        canonical = (
+            '{"main":{"models":[{"finite_size":"none","gamma":0.45,"kind":"persson","m":2.0,'
+            '"theta":1.0}],"pressures":[0.1],"realizations":1,"seed":0,"surface":{"H":0.7,'
+            '"amplitude":"fixed","below_qr":"rolloff","kind":"self-affine",'
+            '"length":6.283185307179586,"q0":1.0,"q1":16.0,"qr":1.0,"slope":0.1}}}'
+        )
+        assert spec.sha256 == hashlib.sha256(canonical.encode()).hexdigest()
 
 
 class TestSweep:

@@ -100,7 +100,7 @@ def test_all_kinds_of_faults_are_told_at_once(valid: str, faults_of: FaultsOf) -
         .replace("slope: 0.1", "slpoe: 0.1")  # an unknown key, which is not missing then
         .replace("points: 20", "points: *n")  # an alias, and nothing more of it
         .replace("seed: 2013", "seed: x")  # a type
-        .replace("kind: foundation", "kind: bem")  # between models
+        .replace("kind: foundation", "kind: foundation\n    label: bem")  # between models
         .replace("gamma: 0.45", "gamma: -1")  # a range
     )
     assert faults_of(text) == [
@@ -113,10 +113,10 @@ def test_all_kinds_of_faults_are_told_at_once(valid: str, faults_of: FaultsOf) -
         ),
         "bad.yaml:11:7: error: seed: must be an integer, got 'x'",
         (
-            "bad.yaml:17:5: error: models[1].springs: unknown key; known here: kind, label, "
-            "realizations, grid, tolerance"
+            "bad.yaml:17:12: error: models[1].label: models[0] is named 'bem' too; "
+            "give each its own label"
         ),
-        "bad.yaml:20:12: error: models[2].gamma: must be greater than 0, got -1",
+        "bad.yaml:21:12: error: models[2].gamma: must be greater than 0, got -1",
     ]
 
 
