@@ -63,7 +63,7 @@ from roughbench.errors import (
 )
 
 if TYPE_CHECKING:
-    from roughbench.models.halfspace import solve_contact, solve_curve
+    from roughbench.models.halfspace.contact import solve_contact, solve_curve
     from roughbench.results import ModelResult, Results
     from roughbench.runner import Progress, run
     from roughbench.spec import Spec, load_spec

@@ -1,14 +1,20 @@
-"""The exact contender: a periodic elastic half-space pressed against a hard rough wall."""
+"""The exact contender: a hard rough wall pressed against a periodic elastic half-space.
+
+``contact`` holds the public functions, ``solver`` the outer loop and the certificate,
+``relaxation`` the inner one, ``preconditioner`` its second level, ``operator`` the
+elasticity, ``loops`` and :mod:`roughbench.transform` the array work.
+"""
 
 from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-import numpy as np
 from pydantic import Field
 
+from roughbench.errors import SolverError
 from roughbench.models.base import Curve, FloatArray, Model, Sample
 from roughbench.spectrum import Spectrum
+from roughbench.surface import check_grid, highest_mode
 
 
 class HalfSpace(Model):
@@ -21,14 +27,41 @@ class HalfSpace(Model):
     grid: int | None = Field(
         default=None,
         ge=2,
-        description="Points per side; default 4 q1 length / 2π, at least 2 q1 length / 2π.",
+        description=(
+            "Points per side; default: 4 on the shortest wavelength, 4 q1 length / 2π. "
+            "At least 2 are needed. Heights from a file bring their own grid."
+        ),
     )
     tolerance: float = Field(
-        default=1e-6, gt=0.0, lt=1e-2, description="Relative complementarity Σ|p g| / (Σp h_rms)."
+        default=1e-6,
+        gt=0.0,
+        le=1e-2,
+        description="Largest Σ|p g| / (Σp h_rms) of a converged state.",
+    )
+    precision: Literal["mixed", "double"] = Field(
+        default="mixed",
+        description="Iterate in float32 and certify in float64, or float64 throughout.",
     )
 
     def grid_points(self, spectrum: Spectrum, length: float) -> int:
-        raise NotImplementedError
+        """Points per side: the option, or four per shortest wavelength."""
+        if self.grid is None:
+            return max(2, 4 * highest_mode(spectrum, length))
+        check_grid(self.grid, spectrum, length)
+        return self.grid
 
     def curve(self, sample: Sample, pressures: FloatArray, *, threads: int = 1) -> Curve:
-        raise NotImplementedError
+        """Solve the states at ``pressures`` on the heights of the sample."""
+        # Numba and FFTW load only where they are needed.
+        from roughbench.models.halfspace.contact import solve_curve
+
+        if sample.heights is None or sample.heights.ndim != 2:
+            raise SolverError("the exact solver needs the heights of a surface, shape (n, m)")
+        return solve_curve(
+            sample.heights,
+            pressures,
+            length=sample.length,
+            tolerance=self.tolerance,
+            precision=self.precision,
+            threads=threads,
+        )

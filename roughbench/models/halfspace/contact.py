@@ -1,0 +1,305 @@
+"""The exact solver's public face: states and curves of given heights."""
+
+from __future__ import annotations
+
+import math
+import os
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from roughbench.errors import SolverError
+from roughbench.models.base import Curve, FloatArray, Status
+from roughbench.models.halfspace.solver import Certificate, Solution, Solver
+from roughbench.models.halfspace.working_set import WorkingSet
+
+Precision = Literal["mixed", "double"]
+
+
+class ContactState:
+    """One solved state: fields, averages and the certificate of the returned pressure.
+
+    Attributes
+    ----------
+    area_fraction : float
+        A/A0, corrected for the perimeter of the contact on the grid.
+    area_fraction_raw : float
+        Points in contact / all points.
+    mean_separation : float
+        ū, the unit of the heights.
+    energy : float
+        Elastic energy per nominal area U/A0, modulus · length.
+    status : Status
+        ``CONVERGED`` only if the certificate holds for the tolerance.
+    certificate : Certificate
+        Complementarity, penetration and load error, recomputed in float64.
+    pressure : ndarray of float64
+        Contact pressure, shape of the heights, unit of the modulus.
+    gap : ndarray of float64
+        Local separation, shape of the heights, length; in contact it is zero up to the
+        certificate.
+    iterations, transform_pairs : int
+        Work that the state took.
+    """
+
+    def __init__(self, problem: _Problem, solution: Solution | None, load: float) -> None:
+        self._problem = problem
+        self._solution = solution
+        solver = problem.solver
+        if solution is None:
+            self.area_fraction = self.area_fraction_raw = 1.0
+            self.mean_separation = 0.0
+            self.energy = solver.full_energy * problem.energy_unit
+            self.status = Status.CONVERGED
+            self.certificate = Certificate(0.0, 0.0, 0.0)
+            self.iterations = self.transform_pairs = 0
+            sigma, _ = solver.traction_at_full_contact()
+            pressure = (sigma + load) * problem.pressure_unit
+            gap = np.zeros_like(pressure)
+        else:
+            contact = solution.points.in_contact()
+            self.area_fraction = solver.corrected_area(contact)
+            self.area_fraction_raw = contact.size / solver.size
+            self.mean_separation = -solution.alpha * solver.rms
+            self.energy = solution.energy * problem.energy_unit
+            self.status = solution.status
+            self.certificate = solution.certificate
+            self.iterations, self.transform_pairs = solution.iterations, solution.pairs
+            pressure, gap = solver.dense(solution)
+            pressure *= problem.pressure_unit
+            gap *= solver.rms
+        self.pressure = pressure.reshape(problem.shape)
+        self.gap = gap.reshape(problem.shape)
+
+    def stiffness(self) -> float:
+        """K = −dp/dū at frozen contact, modulus/length; inf at full contact."""
+        if self._solution is None:
+            return math.inf
+        contact = self._solution.points.in_contact()
+        stiffness, _ = self._problem.solver.tangent(contact)
+        return stiffness * self._problem.pressure_unit / self._problem.solver.rms
+
+
+def solve_contact(
+    heights: ArrayLike,
+    pressure: float,
+    *,
+    length: float = 1.0,
+    modulus: float = 1.0,
+    tolerance: float = 1e-6,
+    precision: Precision = "mixed",
+    threads: int | None = None,
+    max_iterations: int = 3000,
+) -> ContactState:
+    r"""Press a hard rough wall against a periodic elastic half-space.
+
+    Minimises ½⟨p·Gp⟩ − ⟨p·h⟩ over p ≥ 0 with ⟨p⟩ = ``pressure`` on the grid of the
+    heights, where G(q) = 2/(E*\|q\|) (Stanley and Kato, 1997).
+
+    Parameters
+    ----------
+    heights : array_like of float, shape (n, m) or (n,)
+        Heights of the wall, upwards into contact, length. Their mean is subtracted.
+        One-dimensional heights are a line contact on a half-plane.
+    pressure : float
+        Nominal pressure p > 0, in the unit of ``modulus``.
+    length : float
+        Side of the periodic cell along the first axis, in the unit of the heights;
+        pixels are square.
+    modulus : float
+        Contact modulus E* > 0.
+    tolerance : float
+        Largest relative complementarity Σ|p g|/(Σp h_rms) of a converged state;
+        its penetration max(−g)/h_rms may be ten times as large.
+    precision : {"mixed", "double"}
+        Iterate in float32 (and in float64 where that does not suffice) or float64.
+        The certificate is computed in float64 either way.
+    threads : int, optional
+        Threads of transforms and loops; default: all cores available.
+    max_iterations : int
+        Limit on the inner iterations.
+
+    Returns
+    -------
+    ContactState
+
+    Raises
+    ------
+    SolverError
+        If an argument is out of its range or the heights are not finite.
+
+    Examples
+    --------
+    A sinusoidal wall at half the pressure of full contact (Westergaard, 1939):
+
+    >>> import numpy as np
+    >>> x = np.arange(1024) / 1024
+    >>> state = solve_contact(0.01 * np.cos(2 * np.pi * x), np.pi * 0.01 / 2)
+    >>> state.status.name
+    'CONVERGED'
+    >>> bool(abs(state.area_fraction_raw - 0.5) < 2e-3)
+    True
+    """
+    problem = _Problem(heights, length, modulus, tolerance, precision, threads, max_iterations)
+    load = float(problem.loads([pressure])[0])
+    solver = problem.solver
+    if load >= solver.full_load:
+        return ContactState(problem, None, load)
+    return ContactState(problem, solver.solve(load, solver.cold_start(load)), load)
+
+
+def solve_curve(
+    heights: ArrayLike,
+    pressures: ArrayLike,
+    *,
+    length: float = 1.0,
+    modulus: float = 1.0,
+    tolerance: float = 1e-6,
+    precision: Precision = "mixed",
+    threads: int | None = None,
+    max_iterations: int = 3000,
+) -> Curve:
+    """Solve states at many pressures on the same heights, each started from its neighbour.
+
+    States are solved in the order of rising pressure, whatever order is asked for, so the
+    result does not depend on that order. Parameters are those of :func:`solve_contact`.
+
+    Parameters
+    ----------
+    heights : array_like of float, shape (n, m) or (n,)
+        Length.
+    pressures : array_like of float, shape (k,)
+        Nominal pressures p > 0 in the unit of ``modulus``, in any order.
+    length, modulus, tolerance, precision, threads, max_iterations
+        As in :func:`solve_contact`.
+
+    Returns
+    -------
+    Curve
+        In the order of ``pressures``; stiffness in modulus/length, energy U/A0 in
+        modulus · length. Diagnostics: complementarity, penetration, load_error,
+        iterations, transform_pairs.
+
+    Raises
+    ------
+    SolverError
+        If an argument is out of its range or the heights are not finite.
+    """
+    problem = _Problem(heights, length, modulus, tolerance, precision, threads, max_iterations)
+    loads = problem.loads(pressures)
+    solver = problem.solver
+    n = loads.size
+    names = ("area", "area_raw", "separation", "stiffness", "energy")
+    values = {name: np.full(n, np.nan) for name in names}
+    status = np.zeros(n, np.int32)
+    certificates = np.zeros((n, 3))
+    work = np.zeros((n, 2), np.int32)
+    start: tuple[float, WorkingSet, NDArray[np.floating]] | None = None
+    for i in np.argsort(loads, kind="stable"):
+        load = float(loads[i])
+        if load >= solver.full_load:
+            for name, value in zip(names, (1.0, 1.0, 0.0, math.inf), strict=False):
+                values[name][i] = value
+            values["energy"][i] = solver.full_energy * problem.energy_unit
+            continue
+        before = solver.pairs
+        points = solver.cold_start(load) if start is None else solver.predict(*start, load)
+        solution = solver.solve(load, points)
+        contact = solution.points.in_contact()
+        stiffness, rate = solver.tangent(contact)
+        start = (solution.load, contact, rate)
+        values["area"][i] = solver.corrected_area(contact)
+        values["area_raw"][i] = contact.size / solver.size
+        values["separation"][i] = -solution.alpha * solver.rms
+        values["stiffness"][i] = stiffness * problem.pressure_unit / solver.rms
+        values["energy"][i] = solution.energy * problem.energy_unit
+        status[i] = solution.status
+        certificate = solution.certificate
+        certificates[i] = (
+            certificate.complementarity,
+            certificate.penetration,
+            certificate.load_error,
+        )
+        work[i] = (solution.iterations, solver.pairs - before)
+    return Curve(
+        pressure=loads * problem.pressure_unit,
+        status=status,
+        diagnostics={
+            "complementarity": certificates[:, 0],
+            "penetration": certificates[:, 1],
+            "load_error": certificates[:, 2],
+            "iterations": work[:, 0],
+            "transform_pairs": work[:, 1],
+        },
+        **values,
+    )
+
+
+class _Problem:
+    """Checked arguments, the solver on them, and the units between the two."""
+
+    def __init__(
+        self,
+        heights: ArrayLike,
+        length: float,
+        modulus: float,
+        tolerance: float,
+        precision: Precision,
+        threads: int | None,
+        max_iterations: int,
+    ) -> None:
+        h = np.asarray(heights)
+        if h.dtype not in (np.float32, np.float64):
+            try:
+                h = h.astype(np.float64, casting="same_kind" if h.dtype.kind == "f" else "safe")
+            except TypeError as error:
+                raise SolverError(
+                    f"heights must be real numbers, got dtype {h.dtype}"
+                ) from error
+        if h.ndim not in (1, 2) or min(h.shape, default=0) < 2:
+            raise SolverError(
+                "heights must be a line (n,) or a surface (n, m) of at least 2 points a "
+                f"side, got shape {h.shape}"
+            )
+        for name, value in (("length", length), ("modulus", modulus), ("tolerance", tolerance)):
+            if not 0.0 < value < math.inf:
+                raise SolverError(f"{name} must be a positive number, got {value}")
+        if tolerance > 0.1:
+            raise SolverError(f"tolerance must be at most 0.1, got {tolerance}")
+        if precision not in ("mixed", "double"):
+            raise SolverError(f"precision must be 'mixed' or 'double', got {precision!r}")
+        if threads is not None and threads < 1:
+            raise SolverError(f"threads must be at least 1, got {threads}")
+        if max_iterations < 1:
+            raise SolverError(f"max_iterations must be at least 1, got {max_iterations}")
+        if not np.isfinite(h).all():
+            place = np.unravel_index(int(np.argmin(np.isfinite(h))), h.shape)
+            raise SolverError(
+                f"heights must be finite, got {h[place]} at index {tuple(map(int, place))}; "
+                "fill or crop missing points first"
+            )
+        self.shape = h.shape
+        self.spacing = length / h.shape[0]
+        self.modulus = modulus
+        self.solver = Solver(
+            h.reshape((1, -1)) if h.ndim == 1 else h,
+            tolerance,
+            double=precision == "double",
+            threads=threads or len(os.sched_getaffinity(0)),
+            max_iterations=max_iterations,
+        )
+        # A flat wall has no scale of its own; its only state is full contact.
+        rms = self.solver.rms or 1.0
+        self.pressure_unit = modulus * rms / self.spacing
+        self.energy_unit = modulus * rms**2 / self.spacing
+
+    def loads(self, pressures: ArrayLike) -> NDArray[np.float64]:
+        """Dimensionless nominal pressures."""
+        p: FloatArray = np.asarray(pressures, dtype=np.float64)
+        if p.ndim != 1 or p.size == 0:
+            raise SolverError(f"pressures must be a list of numbers, got shape {p.shape}")
+        bad = ~((p > 0.0) & np.isfinite(p))
+        if bad.any():
+            raise SolverError(f"pressures must be positive and finite, got {p[bad][0]}")
+        return p / self.pressure_unit

@@ -1,0 +1,360 @@
+r"""The exact solver: contact pressure of a rough wall on a periodic half-space.
+
+Minimise ½⟨p·Gp⟩ − ⟨p·h⟩ over p ≥ 0 with ⟨p⟩ = p̄. The optimality conditions are
+p ≥ 0, gap g = Gp − h − α ≥ 0 and p·g = 0; for heights of zero mean the mean separation
+is ū = −α.
+
+Two nested loops. The *outer* one computes the gap everywhere, in float64 from the
+pressure alone (one transform pair); that either certifies the state or lists the
+*working set*: the points under pressure and those whose gap is negative. The *inner*
+one (:mod:`.relaxation`) minimises over the pressures of the working set, by default in
+float32: the residual it starts from is exact, so its rounding errors shrink with it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import DTypeLike, NDArray
+
+from roughbench.models.base import Status
+from roughbench.models.halfspace import loops
+from roughbench.models.halfspace.operator import HalfSpaceOperator
+from roughbench.models.halfspace.relaxation import PENETRATION_SLACK, Relaxation
+from roughbench.models.halfspace.working_set import WorkingSet
+
+FLOAT32_FLOOR = 2e-7
+"""Tolerances below this are iterated in float64 from the start."""
+
+AIM_FLOOR = 1e-11
+"""Smallest error aimed at near full contact, where float64 still can."""
+
+TANGENT_TOLERANCE = 1e-5
+"""Relative change of the stiffness in the last iteration of the tangent problem."""
+
+PERIMETER_FACTOR = (math.pi - 1.0 + math.log(2.0)) / 24.0
+
+
+@dataclass(frozen=True, slots=True)
+class Certificate:
+    """What a returned state violates, recomputed in float64 from its pressure.
+
+    Attributes
+    ----------
+    complementarity : float
+        Σ|p g| / (Σp · h_rms).
+    penetration : float
+        max(−g) / h_rms over all points.
+    load_error : float
+        |⟨p⟩/p̄ − 1|.
+    """
+
+    complementarity: float
+    penetration: float
+    load_error: float
+
+    def holds(self, tolerance: float) -> bool:
+        """Whether a state may be called converged.
+
+        The penetration, a maximum over all points where the complementarity is a mean,
+        may be ten times the tolerance.
+        """
+        return (
+            self.complementarity <= tolerance
+            and self.penetration <= PENETRATION_SLACK * tolerance
+            and self.load_error <= max(tolerance, 1e-12)
+        )
+
+
+@dataclass(slots=True)
+class Solution:
+    """One state, dimensionless: pressures on a working set and what follows from them."""
+
+    load: float
+    points: WorkingSet
+    alpha: float
+    energy: float
+    certificate: Certificate
+    status: Status
+    iterations: int
+    pairs: int
+
+
+class Solver:
+    """Solves states on one set of heights.
+
+    Dimensionless: lengths along the surface in grid spacings Δ, heights in their rms
+    value h_s, pressures in E* h_s/Δ, energies per area in E* h_s²/Δ.
+
+    Parameters
+    ----------
+    heights : ndarray, shape (n, m)
+        Any unit and mean; (1, m) is a line. Kept as it is, not copied.
+    tolerance : float
+        See :meth:`Certificate.holds`.
+    double : bool
+        Iterate in float64, not float32. Certificates are float64 in either case.
+    threads : int
+    max_iterations : int
+        Limit on the inner iterations of one state.
+    """
+
+    def __init__(
+        self,
+        heights: NDArray[np.floating],
+        tolerance: float,
+        *,
+        double: bool = False,
+        threads: int = 1,
+        max_iterations: int = 3000,
+    ) -> None:
+        self.heights = heights
+        self.tolerance = tolerance
+        self.max_iterations = max_iterations
+        self.team = loops.Team(threads)
+        self.size = heights.size
+        self.mean = float(heights.mean(dtype=np.float64))
+        self.rms = _rms(heights, self.mean)
+        self._even = self.team.even(heights.shape[0])
+        self._double: Relaxation | None = None
+        self._single: Relaxation | None = None
+        self._use_single = not double and tolerance >= FLOAT32_FLOOR
+        if self._use_single:
+            self._single = Relaxation(heights.shape, np.float32, self.team)
+            self.exact = HalfSpaceOperator(heights.shape, np.float64, self.team)
+        else:
+            self.exact = self._relaxation(double=True).operator
+        # h = scale (heights − mean), the dimensionless heights of the loops
+        self._h = (heights, 1.0 / self.rms if self.rms > 0 else 0.0, self.mean)
+        # Contact is exactly full from p̄ = −min σ_fc on.
+        _, (lowest, self.full_energy) = self.traction_at_full_contact()
+        self.full_load = -lowest
+
+    @property
+    def pairs(self) -> int:
+        """Transform pairs done so far."""
+        operators = {id(self.exact): self.exact}
+        for relaxation in (self._single, self._double):
+            if relaxation is not None:
+                operators[id(relaxation.operator)] = relaxation.operator
+        return sum(operator.pairs for operator in operators.values())
+
+    def _relaxation(self, *, double: bool) -> Relaxation:
+        if not double and self._single is not None:
+            return self._single
+        if self._double is None:
+            self._double = Relaxation(self.heights.shape, np.float64, self.team)
+        return self._double
+
+    def traction_at_full_contact(self) -> tuple[NDArray[np.floating], tuple[float, float]]:
+        """σ_fc = S h, a field that the next transform overwrites; its minimum and ½⟨h σ_fc⟩."""
+        field = self.exact.field
+        heights, scale, mean = self._h
+        np.subtract(heights, mean, out=field)
+        field *= scale
+        self.exact.traction()
+        parts = self.team.run(loops.traction_at_full_contact, self._even, field, *self._h)
+        lowest = float(min(part[0] for part in parts))
+        return field, (lowest, float(sum(part[1] for part in parts)) / (2 * self.size))
+
+    # -- starting points ---------------------------------------------------------------
+
+    def cold_start(self, load: float) -> WorkingSet:
+        """Pressure of independent springs k max(h − d, 0) at this load, k = U_full/M_0.
+
+        That modulus, ½E*M_1/M_0, gives the springs the elastic energy of full contact.
+        """
+        modulus = 2.0 * self.full_energy
+        # Newton's method from below: the overlap is convex and falls with the plane, and
+        # at −p̄/k it is too large.
+        plane = -load / modulus
+        for _ in range(100):
+            overlap, count = self.team.sum(loops.overlap_sums, self._even, *self._h, plane)
+            excess = modulus * overlap / self.size - load
+            if excess <= 1e-9 * load:
+                break
+            plane += excess * self.size / (modulus * count)
+        self.exact.field[...] = 0.0
+        none = WorkingSet.empty(np.zeros(self.heights.shape[0], np.int64), np.float64)
+        counts, _, _ = self._count(none, -plane)
+        points = self._fill(none, -plane, counts, self._relaxation(double=False).dtype)
+        np.negative(points.r, out=points.p)
+        self._restore_load(points, load)
+        return points
+
+    def predict(
+        self, solved: float, contact: WorkingSet, rate: NDArray[np.floating], load: float
+    ) -> WorkingSet:
+        """Pressure at another load than ``solved``: p + Δp̄ ∂p/∂p̄ where that is positive."""
+        change = contact.p.dtype.type(load - solved)
+        points = contact.in_contact()
+        np.maximum(contact.p + change * rate, 0, out=points.p)
+        self._restore_load(points, load)
+        return points
+
+    def _restore_load(self, points: WorkingSet, load: float) -> None:
+        points.p *= points.p.dtype.type(load * self.size / points.p.sum(dtype=np.float64))
+
+    # -- outer loop --------------------------------------------------------------------
+
+    def solve(self, load: float, points: WorkingSet) -> Solution:
+        """Return the state at nominal pressure ``load``, starting from ``points``.
+
+        Parameters
+        ----------
+        load : float
+            0 < p̄ < ``full_load``.
+        points : WorkingSet
+            Pressures to start from.
+
+        Returns
+        -------
+        Solution
+            ``converged`` only with a certificate that holds.
+        """
+        before = self.pairs
+        total = load * self.size
+        iterations = 0
+        double = not self._use_single
+        previous_error = math.inf
+        while True:
+            alpha, energy, mass = self._displace(points)
+            counts, moment, lowest = self._count(points, alpha)
+            certificate = Certificate(
+                complementarity=float(moment / mass),
+                penetration=-float(lowest),
+                load_error=float(abs(mass / total - 1.0)),
+            )
+            error = max(
+                certificate.complementarity, certificate.penetration / PENETRATION_SLACK
+            )
+            if not math.isfinite(error + mass):
+                status = Status.NOT_FINITE
+                break
+            converged = certificate.holds(self.tolerance)
+            # Near full contact the whole gap is smaller than the tolerance: aim at 1 % of
+            # its mean, so that stiffness and area mean something there.
+            aim = min(self.tolerance, max(-0.01 * alpha, AIM_FLOOR))
+            if certificate.holds(aim):
+                status = Status.CONVERGED
+                break
+            if iterations >= self.max_iterations:
+                status = Status.CONVERGED if converged else Status.MAX_ITERATIONS
+                break
+            if error > 0.5 * previous_error:
+                if double:
+                    status = Status.CONVERGED if converged else Status.STAGNATED
+                    break
+                double = True  # float32 has reached its floor: go on in float64
+            double |= aim < FLOAT32_FLOOR
+            previous_error = error
+            relaxation = self._relaxation(double=double)
+            points = self._fill(points, alpha, counts, relaxation.dtype)
+            done, _ = relaxation.minimise(
+                points, total, 0.5 * aim, self.max_iterations - iterations
+            )
+            iterations += done
+            self._restore_load(points, load)
+        return Solution(
+            load=load,
+            points=points,
+            alpha=alpha,
+            energy=energy,
+            certificate=certificate,
+            status=status,
+            iterations=iterations,
+            pairs=self.pairs - before,
+        )
+
+    def _displace(self, points: WorkingSet) -> tuple[float, float, float]:
+        """Put u = G p into the exact field; return α = Σp(u − h)/Σp, ½⟨pu⟩ and Σp."""
+        blocks, _ = self.team.split(points.rows, np.arange(points.rows.size))
+        field = self.exact.field
+        self.team.run(loops.scatter, blocks, points.rows, points.columns, points.p, field)
+        self.exact.displace()
+        mass, moment, energy = self.team.sum(
+            loops.sparse_gap_sums,
+            blocks,
+            points.rows,
+            points.columns,
+            points.p,
+            field,
+            *self._h,
+        )
+        return moment / mass, energy / (2 * self.size), mass
+
+    def _count(
+        self, points: WorkingSet, alpha: float
+    ) -> tuple[NDArray[np.int64], float, float]:
+        """Points per row with p > 0 or gap < 0, Σp|g| and the most negative gap."""
+        counts = np.empty(self.heights.shape[0], np.int64)
+        parts = self.team.run(
+            loops.count_working_set,
+            self._even,
+            *(points.rows, points.columns, points.p, self.exact.field, *self._h, alpha),
+            counts,
+        )
+        return counts, sum(part[0] for part in parts), min(part[1] for part in parts)
+
+    def _fill(
+        self, points: WorkingSet, alpha: float, counts: NDArray[np.int64], dtype: DTypeLike
+    ) -> WorkingSet:
+        """Working set of the points that :meth:`_count` counted, with p and r = gap set."""
+        chosen = WorkingSet.empty(counts, dtype)
+        self.team.run(
+            loops.fill_working_set,
+            self._even,
+            *(points.rows, points.columns, points.p, self.exact.field, *self._h, alpha),
+            *(chosen.rows, chosen.columns, chosen.p, chosen.r),
+        )
+        return chosen
+
+    # -- what follows from a state -----------------------------------------------------
+
+    def tangent(self, contact: WorkingSet) -> tuple[float, NDArray[np.floating]]:
+        """Stiffness −dp̄/dū at frozen contact, and ∂p/∂p̄ on the contact points."""
+        relaxation = self._relaxation(double=contact.p.dtype == np.float64)
+        compliance, rate, _ = relaxation.tangent(contact, TANGENT_TOLERANCE)
+        return 1.0 / compliance, rate
+
+    def corrected_area(self, contact: WorkingSet) -> float:
+        """A/A0 = (points in contact − 0.11811 · grid edges around them) / all points.
+
+        Half of the grid points next to an edge count as contact too many; the factor
+        (π − 1 + ln 2)/24 turns the number of grid edges into that excess (Yastrebov,
+        Anciaux and Molinari, 2017). A line has no such bias and is not corrected.
+        """
+        n_rows, n_columns = self.heights.shape
+        parts = self.team.run(
+            loops.boundary_edges,
+            self._even,
+            *(contact.rows, contact.columns, contact.p, n_columns, n_rows > 1),
+        )
+        n_contact = sum(part[0] for part in parts)
+        edges = sum(part[1] for part in parts) if n_rows > 1 else 0.0
+        return float(n_contact - PERIMETER_FACTOR * edges) / self.size
+
+    def dense(self, solution: Solution) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Pressure and gap of a state as float64 fields, dimensionless."""
+        self._displace(solution.points)
+        shape = self.heights.shape
+        pressure, gap = np.empty(shape), np.empty(shape)
+        points = solution.points
+        self.team.run(
+            loops.scatter, self._even, points.rows, points.columns, points.p, pressure
+        )
+        self.team.run(
+            loops.dense_gap, self._even, self.exact.field, *self._h, solution.alpha, gap
+        )
+        return pressure, gap
+
+
+def _rms(heights: NDArray[np.floating], mean: float) -> float:
+    """Rms height in float64, row by row: no second array of the size of the heights."""
+    total = 0.0
+    for row in heights:
+        deviation = row.astype(np.float64) - mean
+        total += float(np.vdot(deviation, deviation))
+    return math.sqrt(total / heights.size)
