@@ -435,6 +435,12 @@ def draw_panel(
             else:
                 draw_curve(axes, curve, look, colour, name=name, turn=turn)
                 _mark_full_contact(axes, curve, look, colour, quantity)
+    pressures = [
+        result["pressure"] for name in experiments for result in results[name].values()
+    ]
+    extent = np.concatenate(pressures)
+    if extent.min() == extent.max():
+        axes.set_xlim(extent.min() / 10.0, extent.max() * 10.0)
     if is_inset:
         axes.tick_params(labelsize=SMALL - 0.5, length=2, pad=1.5)
         axes.tick_params(which="minor", length=0)

@@ -34,7 +34,7 @@ FloatArray = NDArray[np.float64]
 LARGEST_GRID = 2048
 """Surfaces with more points per side are not made again for a picture."""
 RINGS_PER_DECADE = 12
-"""Rings of equal width in ln q: a power law bends by less than 1 % across one."""
+"""Rings of equal width in ln q: the mean over one is at most 5 % above q^-3.4 at its middle."""
 
 
 def missing(results: Results) -> str | None:
@@ -121,7 +121,7 @@ def ring_average(sample: Sample) -> tuple[FloatArray, FloatArray]:
     Returns
     -------
     (ndarray of float64, ndarray of float64)
-        The geometric mean of q (1/length) and of the spectrum's fall, and C2D (length⁴).
+        The geometric mean of q (1/length) and the mean of C2D (length⁴) in each ring.
     """
     heights, spectrum = sample.heights, sample.spectrum
     if heights is None or spectrum is None:

@@ -105,6 +105,8 @@ def save(figure: Figure, name: str, folder: Path) -> list[Path]:
             f"cannot make the folder {folder}: {error.strerror or error}; "
             "choose another place with -o"
         ) from error
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")  # laid out: the same in both files
     undated: dict[str, dict[str, None]] = {
         "pdf": {"Creator": None, "Producer": None, "CreationDate": None},
         "png": {"Software": None},

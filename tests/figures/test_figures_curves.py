@@ -1,0 +1,120 @@
+"""What is drawn of a contender: values, looks and words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from roughbench.figures.curves import (
+    curve_of,
+    experiment_colours,
+    experiment_label,
+    full_contact_pressure,
+    height_label,
+    looks,
+    model_names,
+)
+from roughbench.results import ModelResult, Results
+
+Make = Callable[..., ModelResult]
+Collect = Callable[..., Results]
+
+
+def test_a_curve_is_the_mean_with_its_standard_error(make: Make) -> None:
+    result = make(n=3, height=0.25)
+    for quantity, unit in (("area", 1.0), ("separation", 0.25), ("stiffness", 4.0)):
+        curve = curve_of(result, quantity)  # type: ignore[arg-type]
+        mean, sem = result[f"{quantity}_mean"], result[f"{quantity}_sem"]
+        np.testing.assert_array_equal(curve.value, mean / unit)
+        np.testing.assert_allclose(curve.lower, (mean - sem) / unit, rtol=1e-14)
+        np.testing.assert_allclose(curve.upper, (mean + sem) / unit, rtol=1e-14)
+        assert not curve.is_median
+
+
+def test_pressures_ascend_whatever_their_order(make: Make) -> None:
+    pressure = np.array([1e-2, 1e-4, 1e-3])
+    curve = curve_of(make(pressure=pressure), "area")
+    np.testing.assert_array_equal(curve.pressure, [1e-4, 1e-3, 1e-2])
+    assert (np.diff(curve.value) > 0.0).all()
+
+
+def test_an_infinite_mean_makes_the_whole_curve_a_median(make: Make) -> None:
+    stiffness = np.array([[1.0, 2.0, 3.0, np.inf], [2.0, 3.0, np.inf, np.inf], [4.0] * 4])
+    result = make(stiffness=stiffness, n=3, height=0.5)
+    curve = curve_of(result, "stiffness")
+    assert curve.is_median
+    np.testing.assert_array_equal(curve.value, [1.0, 1.5, 2.0, np.inf])
+    np.testing.assert_array_equal(curve.lower, result["stiffness_q16"] * 0.5)
+    np.testing.assert_array_equal(curve.upper, result["stiffness_q84"] * 0.5)
+    assert full_contact_pressure(curve) == 1e-1
+
+
+def test_one_realization_has_no_error(make: Make) -> None:
+    curve = curve_of(make(n=1, stiffness=[1.0, 2.0, np.inf, np.inf]), "stiffness")
+    assert not curve.is_median
+    assert np.isnan(curve.lower).all()
+    assert np.isnan(curve.upper).all()
+    assert full_contact_pressure(curve) == 1e-2
+    assert full_contact_pressure(curve_of(make(n=1), "stiffness")) is None
+
+
+def test_kinds_have_the_papers_looks(make: Make, collect: Collect) -> None:
+    results = collect(make("bem"), make("foundation"), make("persson"))
+    chosen = looks(results)
+    assert (chosen["bem"].marker, chosen["foundation"].marker) == ("s", "")
+    assert chosen["foundation"].dashes == ()
+    assert chosen["persson"].dashes
+    assert chosen["bem"].order > chosen["foundation"].order > chosen["persson"].order
+
+
+def test_models_of_one_kind_and_new_kinds_are_told_apart(make: Make, collect: Collect) -> None:
+    labels = ["bem", "fine", "foundation", "open", "persson", "g1", "winkler", "other"]
+    kinds = [kind for kind in ("bem", "foundation", "persson", "winkler") for _ in range(2)]
+    models = [make(kind, label=label) for kind, label in zip(kinds, labels, strict=True)]
+    chosen = looks(collect(*models))
+    assert len({(look.marker, look.dashes) for look in chosen.values()}) == len(labels)
+    assert len({(look.dashes, look.colour) for look in chosen.values()}) >= len(labels) - 1
+    names = model_names(collect(*models), ["main"], "area")
+    assert names["bem"] == "Exact (BEM), $n = 3$"
+    assert names["fine"] == "Exact (BEM), fine, $n = 3$"
+
+
+def test_names_tell_parameters_and_numbers(make: Make, collect: Collect) -> None:
+    stiffness = np.array([[1.0, 2.0, 3.0, np.inf], [2.0, 3.0, 4.0, 5.0]])
+    few = [
+        make(n=2, stiffness=stiffness),
+        make("persson", n=1, gamma=0.45, finite_size="max"),
+    ]
+    results = collect(experiments={"few": few, "many": [make(n=5)]})
+    names = model_names(results, ["few", "many"], "stiffness")
+    assert names["foundation"] == "Popov (1D foundation), $n$ = 2–5, median"
+    assert names["persson"] == r"Persson, $\gamma = 0.45$, finite size"
+    assert model_names(results, ["few"], "area")["foundation"].endswith("$n = 2$")
+
+
+@pytest.mark.parametrize(
+    ("name", "label"),
+    [
+        ("main", ""),
+        ("surface.qr=8.0", "$q_r = 8$"),
+        ("surface.H=0.75,surface.q1=128.0", "$H = 0.75$, $q_1 = 128$"),
+        ("surface.below_qr=cutoff", "below_qr = cutoff"),
+        ("seed=3", "seed = 3"),
+        ("rough", "rough"),
+    ],
+)
+def test_experiments_are_called_by_their_symbols(name: str, label: str) -> None:
+    assert experiment_label(name) == label
+
+
+def test_each_experiment_has_its_colour() -> None:
+    assert experiment_colours(["main"]) == {}
+    for n in (2, 7, 8, 30):
+        assert len(set(experiment_colours([f"e{i}" for i in range(n)]).values())) == n
+
+
+def test_the_rms_height_is_named(make: Make, collect: Collect) -> None:
+    assert "spectrum, continuum" in height_label(collect(make()))
+    assert "given heights" in height_label(collect(make(surface="file")))
