@@ -14,12 +14,15 @@ from roughbench.figures.curves import (
     legend_handles,
     unconverged_remarks,
 )
-from roughbench.figures.style import footnote, new_figure
+from roughbench.figures.style import footnote, legend_above, new_figure
 from roughbench.results import Results
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+MOST_INSIDE = 6
+"""Entries of a legend that find room under the curves."""
 
 
 def missing(results: Results) -> str | None:
@@ -32,10 +35,11 @@ def draw(results: Results) -> Figure:
     figure, (axes,) = new_figure(1, 2.6)
     panel(axes, results)
     experiments = list(results)
-    colours = experiment_colours(experiments)
-    axes.legend(
-        handles=legend_handles(results, experiments, "area", colours), loc="lower right"
-    )
+    handles = legend_handles(results, experiments, "area", experiment_colours(experiments))
+    if len(handles) <= MOST_INSIDE:
+        axes.legend(handles=handles, loc="lower right")
+    else:
+        legend_above(figure, handles)
     footnote(figure, unconverged_remarks(results))
     return figure
 

@@ -43,7 +43,7 @@ class Curve:
         Dimensionless mean, or median; inf at full contact (stiffness).
     lower, upper : ndarray of float64, shape (P,)
         Mean ± its standard error, or the 16 % and 84 % quantiles; nan for one realization.
-    is_median : bool
+    is_median : ndarray of bool, shape (P,)
         Whether these are median and quantiles.
     """
 
@@ -51,16 +51,16 @@ class Curve:
     value: FloatArray
     lower: FloatArray
     upper: FloatArray
-    is_median: bool
+    is_median: NDArray[np.bool_]
 
 
 def curve_of(result: ModelResult, quantity: Quantity) -> Curve:
     """Return a contender's curve, with lengths in the unit of the spectrum's h_rms.
 
-    It is the mean with its standard error. Where a realization in full contact makes
-    the mean of the stiffness infinite, the *whole* curve is the median with the 16 % and
-    84 % quantiles, because a change from one to the other would draw a step that is
-    none of the contender's.
+    It is the mean with its standard error; where a realization in full contact makes
+    the mean of the stiffness infinite, the median with the 16 % and 84 % quantiles. A
+    contender drawn as a line is then the median at *all* pressures, because a change
+    from one to the other would draw a step that is none of the contender's.
 
     Parameters
     ----------
@@ -78,15 +78,18 @@ def curve_of(result: ModelResult, quantity: Quantity) -> Curve:
     def column(statistic: str) -> FloatArray:
         return np.asarray(result[f"{quantity}_{statistic}"], float)[order] / unit
 
-    value = column("mean")
-    is_median = bool(np.isinf(value).any()) and result.n_realizations > 1
-    if is_median:
-        value, lower, upper = column("median"), column("q16"), column("q84")
-    else:
-        error = np.where(np.isfinite(value), column("sem"), np.nan)
-        lower, upper = value - error, value + error
-    pressure = np.asarray(result["pressure"], float)[order]
-    return Curve(pressure, value, lower, upper, is_median)
+    mean, error = column("mean"), column("sem")
+    is_median = np.isinf(mean) & (result.n_realizations > 1)
+    if result.kind not in _POINTS:
+        is_median[:] = is_median.any()
+    error = np.where(np.isfinite(mean), error, np.nan)
+    return Curve(
+        np.asarray(result["pressure"], float)[order],
+        np.where(is_median, column("median"), mean),
+        np.where(is_median, column("q16"), mean - error),
+        np.where(is_median, column("q84"), mean + error),
+        is_median,
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +114,8 @@ class Look:
     order: int
 
 
+_POINTS = ("bem",)
+"""Kinds drawn as points; all others are lines."""
 _MARKERS = ("s", "o", "D", "^", "v")
 _FOUNDATION: tuple[Dashes, ...] = ((), (9, 1.5), (6, 1, 1, 1))
 _PERSSON: tuple[Dashes, ...] = ((3, 3), (1.5, 1.5), (6, 3))
@@ -245,10 +250,15 @@ def model_names(
         if titles.count(title) > 1 and label != kind:
             title = f"{title}, {label}"
         remarks = _parameters(models[0], quantity) + _counts(models)
-        if any(curve_of(model, quantity).is_median for model in models):
+        if any(curve_of(model, quantity).is_median.all() for model in models):
             remarks.append("median")
         names[label] = ", ".join([title, *remarks])
     return names
+
+
+def has_medians(results: Results, quantity: Quantity) -> bool:
+    """Return whether a curve shows a median somewhere."""
+    return any(curve_of(result, quantity).is_median.any() for _, result in results.models())
 
 
 def _counts(models: Sequence[ModelResult]) -> list[str]:

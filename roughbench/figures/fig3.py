@@ -10,7 +10,7 @@ from roughbench.figures.curves import (
     legend_handles,
     unconverged_remarks,
 )
-from roughbench.figures.style import footnote, letter, new_figure
+from roughbench.figures.style import footnote, legend_above, letter, new_figure
 from roughbench.results import Results
 
 if TYPE_CHECKING:
@@ -34,6 +34,6 @@ def draw(results: Results) -> Figure:
     handles = legend_handles(
         results, experiments, "separation", experiment_colours(experiments)
     )
-    figure.legend(handles=handles, loc="outside upper center", ncols=2)
+    legend_above(figure, handles)
     footnote(figure, unconverged_remarks(results))
     return figure

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from roughbench.figures.curves import (
+    Curve,
     curve_of,
     draw_panel,
     experiment_colours,
@@ -20,7 +21,7 @@ from roughbench.figures.curves import (
     legend_handles,
     unconverged_remarks,
 )
-from roughbench.figures.style import footnote, new_figure
+from roughbench.figures.style import footnote, legend_above, new_figure
 from roughbench.results import Results
 
 if TYPE_CHECKING:
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 
 FLOOR = 1e-4
 """Separations below this, in h_rms, are a hundred times thinner than any drawn gap."""
+_INSET = (0.115, 0.085, 0.44, 0.42)
+"""Left, bottom, width and height of the inset, as fractions of the panel."""
 
 
 def missing(results: Results) -> str | None:
@@ -43,7 +46,7 @@ def draw(results: Results) -> Figure:
     experiments = list(results)
     colours = experiment_colours(experiments)
     handles = legend_handles(results, experiments, "separation", colours)
-    figure.legend(handles=handles, loc="outside upper center", ncols=2)
+    legend_above(figure, handles)
     footnote(figure, unconverged_remarks(results))
     return figure
 
@@ -56,5 +59,21 @@ def panel(axes: Axes, results: Results) -> None:
     positive = np.concatenate([value[np.isfinite(value) & (value > 0.0)] for value in values])
     if positive.size and positive.max() > 10.0 * FLOOR > positive.min():
         axes.set_ylim(FLOOR, 2.5 * positive.max())
-    inset = axes.inset_axes((0.115, 0.085, 0.44, 0.42))
-    draw_panel(inset, results, list(results), "separation", is_inset=True)
+    room = min(_room(axes, curve_of(result, "separation")) for _, result in results.models())
+    left, bottom, width, height = _INSET
+    width = min(width, room - 0.03 - left)
+    if width > 0.2:
+        inset = axes.inset_axes((left, bottom, width, height))
+        draw_panel(inset, results, list(results), "separation", is_inset=True)
+
+
+def _room(axes: Axes, curve: Curve) -> float:
+    """Return where a curve first comes down to the inset, as a fraction of the width."""
+    seen = np.isfinite(curve.value) & (curve.value > 0.0)
+    if not seen.any():
+        return 1.0
+    to_fractions = axes.transData + axes.transAxes.inverted()
+    x, y = to_fractions.transform(np.stack([curve.pressure, curve.value], axis=1)[seen]).T
+    way = np.linspace(x[0], x[-1], 1000)
+    low = np.interp(way, x, y) < _INSET[1] + _INSET[3] + 0.03
+    return float(way[np.argmax(low)]) if low.any() else 1.0

@@ -75,7 +75,7 @@ def draw(results: Results) -> Figure:
                 gid=f"{name}/{kind}",
             )
     _mark_wavevectors(axes, surfaces)
-    _draw_slope(axes, surfaces[0].spectrum())
+    _draw_slope(axes, max((s.spectrum() for s in surfaces), key=lambda s: s.edges[-2]))
     axes.legend(loc="lower left")
     return figure
 

@@ -2,8 +2,9 @@ r"""Fig. 4 of the paper: the stiffness K h_rms/E* against p/E*, one panel per ex
 
 Exact solver as squares on top, foundation as a solid line, Persson dashed; grey guide
 lines have the slopes 1 and 1/(1 + H). A triangle on the upper edge marks the lowest
-pressure at which the curve is infinite (full contact); the line ends before it. Curves
-with an infinite mean are medians throughout (:func:`~roughbench.figures.curves.curve_of`).
+pressure at which the curve is infinite (full contact); the line ends before it. Where a
+mean is infinite there stands a median, and lines are medians throughout then
+(:func:`~roughbench.figures.curves.curve_of`).
 
 **Where Popov leaves the analytical result.** The dashed vertical lines stand where
 
@@ -39,12 +40,21 @@ from roughbench.figures.curves import (
     curve_of,
     draw_panel,
     experiment_label,
+    has_medians,
     height_label,
     legend_handles,
     number_text,
     unconverged_remarks,
 )
-from roughbench.figures.style import BACKGROUND, GUIDE, SMALL, footnote, letter, new_figure
+from roughbench.figures.style import (
+    BACKGROUND,
+    GUIDE,
+    SMALL,
+    footnote,
+    legend_above,
+    letter,
+    new_figure,
+)
 from roughbench.results import ModelResult, Results
 
 if TYPE_CHECKING:
@@ -214,11 +224,9 @@ def draw(results: Results) -> Figure:
         axes.remove()
     for number, (axes, experiment) in enumerate(zip(panels, experiments, strict=False)):
         _panel(axes, results, experiment, number)
-    figure.legend(
-        handles=_handles(results, experiments), loc="outside upper center", ncols=columns + 1
-    )
+    legend_above(figure, _handles(results, experiments))
     remarks = unconverged_remarks(results)
-    if any(curve_of(result, "stiffness").is_median for _, result in results.models()):
+    if has_medians(results, "stiffness"):
         remarks.insert(0, "Medians with 16 % and 84 % quantiles where a mean is infinite.")
     footnote(figure, remarks)
     return figure
@@ -308,9 +316,12 @@ def _draw_departures(axes: Axes, found: Agreement | None) -> None:
     """Draw and name the ends of the range of agreement, or say that there are none."""
     if found is None:
         return
-    for pressure, side in ((found.lower, -1), (found.upper, 1)):
+    left, right = np.log(axes.get_xlim())
+    for pressure, outwards in ((found.lower, -1), (found.upper, 1)):
         if pressure is None:
             continue
+        place = (math.log(pressure) - left) / (right - left)
+        side = outwards if 0.07 < place < 0.93 else -outwards
         axes.axvline(pressure, zorder=1, gid="departure", **_DEPARTURE)
         axes.annotate(
             number_text(pressure),

@@ -13,6 +13,7 @@ from roughbench.errors import StoreError
 from roughbench.store import commit
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -75,6 +76,16 @@ def new_figure(
 def letter(axes: Axes, number: int, text: str = "") -> None:
     """Write (a), (b), … and a word on the panel above its upper left corner."""
     axes.set_title(f"({chr(ord('a') + number % 26)})  {text}".rstrip(), loc="left", pad=3)
+
+
+def legend_above(figure: Figure, handles: list[Artist]) -> None:
+    """Put the legend above the panels, in as many columns as fit."""
+    for columns in (4, 3, 2, 1):
+        legend = figure.legend(handles=handles, loc="outside upper center", ncols=columns)
+        rows = -(-len(handles) // columns)
+        if columns == 1 or (rows > 1 and legend.get_window_extent().width < figure.bbox.width):
+            return
+        legend.remove()
 
 
 def footnote(figure: Figure, lines: list[str]) -> None:

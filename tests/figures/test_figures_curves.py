@@ -30,7 +30,7 @@ def test_a_curve_is_the_mean_with_its_standard_error(make: Make) -> None:
         np.testing.assert_array_equal(curve.value, mean / unit)
         np.testing.assert_allclose(curve.lower, (mean - sem) / unit, rtol=1e-14)
         np.testing.assert_allclose(curve.upper, (mean + sem) / unit, rtol=1e-14)
-        assert not curve.is_median
+        assert not curve.is_median.any()
 
 
 def test_pressures_ascend_whatever_their_order(make: Make) -> None:
@@ -44,16 +44,27 @@ def test_an_infinite_mean_makes_the_whole_curve_a_median(make: Make) -> None:
     stiffness = np.array([[1.0, 2.0, 3.0, np.inf], [2.0, 3.0, np.inf, np.inf], [4.0] * 4])
     result = make(stiffness=stiffness, n=3, height=0.5)
     curve = curve_of(result, "stiffness")
-    assert curve.is_median
+    assert curve.is_median.all()
     np.testing.assert_array_equal(curve.value, [1.0, 1.5, 2.0, np.inf])
     np.testing.assert_array_equal(curve.lower, result["stiffness_q16"] * 0.5)
     np.testing.assert_array_equal(curve.upper, result["stiffness_q84"] * 0.5)
     assert full_contact_pressure(curve) == 1e-1
 
 
+def test_points_are_medians_only_where_the_mean_is_infinite(make: Make) -> None:
+    stiffness = np.array([[1.0, 2.0, 3.0, np.inf], [2.0, 3.0, np.inf, np.inf], [6.0] * 4])
+    result = make("bem", stiffness=stiffness, height=1.0)
+    curve = curve_of(result, "stiffness")
+    np.testing.assert_array_equal(curve.is_median, [False, False, True, True])
+    np.testing.assert_allclose(curve.value, [3.0, 11.0 / 3.0, 6.0, np.inf])
+    np.testing.assert_array_equal(curve.lower[2:], result["stiffness_q16"][2:])
+    sem = result["stiffness_sem"]
+    np.testing.assert_allclose(curve.upper[:2], curve.value[:2] + sem[:2])
+
+
 def test_one_realization_has_no_error(make: Make) -> None:
     curve = curve_of(make(n=1, stiffness=[1.0, 2.0, np.inf, np.inf]), "stiffness")
-    assert not curve.is_median
+    assert not curve.is_median.any()
     assert np.isnan(curve.lower).all()
     assert np.isnan(curve.upper).all()
     assert full_contact_pressure(curve) == 1e-2

@@ -62,7 +62,7 @@ def test_lines_hold_the_results(computed: Results, draw: Draw, name: Any) -> Non
         np.testing.assert_array_equal(
             line.get_ydata(), without_zero_and_inf(result[f"{name}_{statistic}"] / unit)
         )
-    assert curve_of(computed["surface.qr=4.0"]["foundation"], "stiffness").is_median
+    assert curve_of(computed["surface.qr=4.0"]["foundation"], "stiffness").is_median.all()
 
 
 def test_both_halves_of_fig_3_are_those_of_its_parts(computed: Results, draw: Draw) -> None:
@@ -142,6 +142,41 @@ def test_the_inset_has_a_linear_ordinate_and_the_same_curves(
     drawn = sorted(np.asarray(line.get_ydata())[0] for line in inset.get_lines())
     first = [curve_of(result, "separation").value[0] for _, result in computed.models()]
     assert drawn == sorted(first)
+
+
+def test_the_inset_hides_no_curve(computed: Results, draw: Draw) -> None:
+    for shift in (1.0, 0.1, 0.01):  # contact closes earlier and earlier
+        groups = {
+            name: [
+                replace(r, variables={**r.variables, "pressure": r["pressure"] * shift})
+                if r.kind == "foundation"
+                else r
+                for r in models.values()
+            ]
+            for name, models in computed.items()
+        }
+        shifted = Results({n: {r.label: r for r in g} for n, g in groups.items()}, "", "")
+        axes = draw(shifted, "separation").axes[0]
+        for inset in axes.child_axes:
+            box = inset.bbox
+            for line in axes.get_lines():
+                if line.get_gid() == "full contact":
+                    continue
+                xy = axes.transData.transform(np.asarray(line.get_xydata()))
+                xy = xy[np.isfinite(xy).all(axis=1)]
+                fine = np.linspace(0, len(xy) - 1, 2000)
+                x, y = (np.interp(fine, np.arange(len(xy)), column) for column in xy.T)
+                assert not ((x > box.x0) & (x < box.x1) & (y > box.y0) & (y < box.y1)).any()
+
+
+def test_long_names_keep_the_legend_inside(make: Make, collect: Collect, draw: Draw) -> None:
+    labels = ["a-rather-long-label-of-a-model", "another-rather-long-label", "third"]
+    results = collect(*(make(label=label, n=1) for label in labels))
+    for name in ("separation", "stiffness", "fig3"):
+        figure = draw(results, name)
+        with publication_style():
+            for text in figure.legends[0].get_texts():
+                assert text.get_window_extent().x1 <= figure.bbox.x1
 
 
 def test_vertical_lines_stand_at_the_departures(computed: Results, draw: Draw) -> None:
