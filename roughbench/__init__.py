@@ -99,8 +99,8 @@ _LAZY = {
     "load": "roughbench.store",
     "load_spec": "roughbench.spec",
     "run": "roughbench.runner",
-    "solve_contact": "roughbench.models.halfspace",
-    "solve_curve": "roughbench.models.halfspace",
+    "solve_contact": "roughbench.models.halfspace.contact",
+    "solve_curve": "roughbench.models.halfspace.contact",
 }
 
 

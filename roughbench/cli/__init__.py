@@ -12,6 +12,7 @@ from typing import Any
 
 import click
 
+from roughbench.cli.interrupts import interrupts_get_through
 from roughbench.cli.options import DEBUG
 from roughbench.errors import RoughbenchError, SpecError, SurfaceError
 
@@ -41,7 +42,8 @@ class LazyGroup(click.Group):
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command; errors become a message on stderr and a documented exit code."""
         try:
-            return super().invoke(ctx)
+            with interrupts_get_through():
+                return super().invoke(ctx)
         except (click.ClickException, click.Abort, click.exceptions.Exit, BrokenPipeError):
             raise  # click knows what to do with them
         except KeyboardInterrupt:

@@ -26,6 +26,7 @@ _OF_SURFACE = (
     "rms_slope",
     "seed",
 )
+_NOT_OPTIONS = (*_OF_SURFACE, "rms_height", "grid_points")
 
 
 def as_text(results: Results, source: str) -> str:
@@ -60,8 +61,7 @@ def _surface_lines(result: ModelResult) -> Iterator[str]:
 def _model_lines(result: ModelResult) -> Iterator[str]:
     many = "s" * (result.n_realizations > 1)
     yield f"{result.label}: {result.title}, {result.n_realizations} realization{many}"
-    own = {k: v for k, v in result.attributes.items() if k not in (*_OF_SURFACE, "rms_height")}
-    yield from _listed(own)
+    yield from _listed({k: v for k, v in result.attributes.items() if k not in _NOT_OPTIONS})
     headings = (f"  {name:^20}" for name in ("A/A0", "ū/h_rms", "K h_rms/E*"))
     yield f"{'p/E*':>10}{''.join(headings)}    n"
     height = float(result.attributes["rms_height"])

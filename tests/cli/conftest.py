@@ -56,8 +56,16 @@ def invoke() -> Invoke:
 
 
 @pytest.fixture
-def start(folder: Path) -> Callable[..., Popen]:
-    """Return a callable that starts ``python -m roughbench`` in its own process group."""
+def start(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Popen]:
+    """Return a callable that starts ``python -m roughbench`` in its own process group.
+
+    The processes share a fresh cache, so that the first of them plans its transforms.
+    """
+    cache = tmp_path_factory.mktemp("cache")
+    environment = {
+        "PYTHONPATH": str(Path(rb.__file__).parents[1]),
+        "ROUGHBENCH_CACHE": str(cache),
+    }
 
     def popen(*arguments: object) -> Popen:
         return subprocess.Popen(
@@ -69,7 +77,7 @@ def start(folder: Path) -> Callable[..., Popen]:
             text=True,
             encoding="utf-8",
             start_new_session=True,
-            env=os.environ | {"PYTHONPATH": str(Path(rb.__file__).parents[1])},
+            env=os.environ | environment,
         )
 
     return popen
