@@ -1,0 +1,114 @@
+# roughbench: `make help` lists what there is.
+#
+# Every target that needs Python sets up .venv first (scripts/bootstrap.py): nothing has
+# to be installed by hand, and it happens again only when pyproject.toml changes.
+
+PYTHON ?= $(shell for python in python3 python3.13 python3.12 python3.11 python3.14; do \
+	$$python -c 'import sys; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
+	&& echo $$python && break; done)
+JOBS ?= $(shell nproc 2>/dev/null || echo 1)
+BIN := .venv/bin
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help demo test test-all lint smoke fig1 fig2 fig3 fig4 figures paper-fig3 \
+	paper-fig4 paper-bem compare bench readme-figures dist dist-check clean distclean \
+	setup setup-dev python
+
+help: ## this list
+	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / { printf "  make %-16s%s\n", $$1, $$2 }' Makefile
+	@echo
+	@echo "  PYTHON=/path/to/python3 chooses the Python (3.11 or newer) of .venv, JOBS=N how many"
+	@echo "  tasks run at once. Results go to results/, figures to figures/."
+
+## -- computing -------------------------------------------------------------------------
+
+# The figures that each run is drawn for; empty: all that its results allow.
+FIGURES_fig1 = foundation
+FIGURES_fig2 = spectrum
+FIGURES_fig3 = fig3 area separation
+FIGURES_fig4 = stiffness
+FIGURES_paper-fig3 = fig3 area separation
+FIGURES_paper-fig4 = stiffness
+FIGURES_paper-bem = fig3 area separation stiffness
+
+# $(call compute,NAME,SPEC): run SPEC into results/NAME.h5, draw it into figures/NAME/.
+define compute
+	@mkdir -p results
+	$(BIN)/roughbench run $(2) -j $(JOBS) -o results/$(1).h5
+	$(BIN)/roughbench plot results/$(1).h5 -o figures/$(1) \
+		$(addprefix --figure ,$(FIGURES_$(1)))
+endef
+
+demo: setup ## all three models on the same surfaces, and their figures: two minutes
+	$(call compute,quick,configs/quick.yaml)
+
+fig1 fig2 fig3 fig4: setup
+	$(call compute,$@,configs/$@.yaml)
+
+fig1: ## the foundation of springs (the paper's Fig. 1)
+fig2: ## the spectrum (Fig. 2)
+fig3: ## area and separation, q1 = 128 q0 (Fig. 3)
+fig4: ## stiffness, q1 = 256 q0 (Fig. 4)
+
+figures: demo fig1 fig2 fig3 fig4 ## demo and the four figures above
+
+paper-fig3 paper-fig4 paper-bem: setup
+	$(call compute,$@,configs/paper/$(@:paper-%=%).yaml)
+
+paper-fig3: ## Fig. 3 at the paper's q1 = 8192 q0, without the exact solver
+paper-fig4: ## Fig. 4 at the paper's q1 = 8192 q0, without the exact solver
+paper-bem: ## the exact solver at q1 = 8192 q0: some 20 GB of memory, hours; see the spec
+
+## -- checking --------------------------------------------------------------------------
+
+test: setup-dev ## unit tests and doctests, without those marked slow
+	$(BIN)/python -m pytest -m "not slow"
+
+test-all: setup-dev ## all tests
+	$(BIN)/python -m pytest
+
+lint: setup-dev ## ruff and mypy
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+smoke: setup ## every command once, on tiny grids
+	PATH="$(CURDIR)/$(BIN):$$PATH" sh scripts/smoke.sh
+
+bench: setup ## the benchmarks in scripts/
+	@for script in scripts/bench_*.py; do \
+		echo "== $$script"; $(BIN)/python $$script || exit 1; done
+
+## -- releasing -------------------------------------------------------------------------
+
+readme-figures: demo ## the figures in docs/figures, drawn again
+	@mkdir -p docs/figures
+	cp figures/quick/area.png figures/quick/separation.png figures/quick/stiffness.png \
+		docs/figures/
+
+dist: setup-dev ## wheel and source archive in dist/
+	rm -rf dist
+	$(BIN)/python -m build
+
+dist-check: dist ## both of them, each in a fresh environment
+	sh scripts/check_dist.sh $(BIN)/python
+
+## -- setting up ------------------------------------------------------------------------
+
+setup: python
+	@$(PYTHON) scripts/bootstrap.py
+
+setup-dev: python
+	@$(PYTHON) scripts/bootstrap.py dev
+
+python:
+	@test -n "$(PYTHON)" || { echo "error: no Python 3.11 or newer found; install one, or" \
+		"name it: make PYTHON=/path/to/python3 ..." >&2; exit 1; }
+
+clean: ## remove results, figures, caches and builds
+	rm -rf results figures build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find . -name __pycache__ -not -path './.venv/*' -prune -exec rm -rf {} +
+
+distclean: clean ## remove .venv too
+	rm -rf .venv

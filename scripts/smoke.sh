@@ -1,0 +1,33 @@
+#!/bin/sh
+# Run every command once, on tiny grids, in a folder of its own. `roughbench` is the one
+# on PATH.
+set -eu
+cd "$(dirname "$0")/.."
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+
+roughbench --version
+roughbench validate configs/*.yaml configs/paper/*.yaml
+roughbench schema > "$folder/schema.json"
+roughbench run configs/smoke.yaml --threads 1 -j 1 -o "$folder/smoke.h5"
+roughbench run configs/smoke.yaml --threads 1 -j 2 -o "$folder/jobs.h5" --quiet
+cmp "$folder/smoke.h5" "$folder/jobs.h5"
+roughbench show "$folder/smoke.h5"
+roughbench show "$folder/smoke.h5" --json > "$folder/smoke.json"
+for json in schema smoke; do python -m json.tool "$folder/$json.json" > "$folder/parsed"; done
+roughbench export "$folder/smoke.h5" --csv "$folder/tables" --states
+roughbench plot "$folder/smoke.h5" -o "$folder/figures"
+for suffix in pdf png; do
+    for figure in foundation spectrum area separation stiffness fig3; do
+        test -s "$folder/figures/$figure.$suffix"
+    done
+done
+
+# A fault ends with its documented exit code and one message.
+code=0
+roughbench run configs/smoke.yaml --set surface.H=2 -o "$folder/none.h5" 2> "$folder/fault" \
+    || code=$?
+test "$code" -eq 2
+grep -F "surface.H: must be less than 1, got 2" "$folder/fault"
+test ! -e "$folder/none.h5"
+echo "smoke: all commands did what they say"
