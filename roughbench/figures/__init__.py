@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from roughbench.errors import StoreError
 from roughbench.figures import area, fig3, foundation, separation, spectrum, stiffness
-from roughbench.figures.stiffness import Agreement, departures
+from roughbench.figures.agreement import Agreement, departures
 from roughbench.figures.style import publication_style, save
 from roughbench.results import Results
 

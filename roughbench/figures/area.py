@@ -8,13 +8,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from roughbench.figures.curves import (
-    draw_panel,
-    experiment_colours,
-    legend_handles,
-    unconverged_remarks,
-)
+from roughbench.figures.looks import experiment_colours
+from roughbench.figures.panel import draw_panel, legend_handles
 from roughbench.figures.style import footnote, legend_above, new_figure
+from roughbench.figures.words import unconverged_remarks
 from roughbench.results import Results
 
 if TYPE_CHECKING:

@@ -12,16 +12,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from roughbench.figures.curves import (
-    Curve,
-    curve_of,
-    draw_panel,
-    experiment_colours,
-    height_label,
-    legend_handles,
-    unconverged_remarks,
-)
+from roughbench.figures.curves import Curve, curve_of
+from roughbench.figures.looks import experiment_colours
+from roughbench.figures.panel import draw_panel, legend_handles
 from roughbench.figures.style import footnote, legend_above, new_figure
+from roughbench.figures.words import height_label, unconverged_remarks
 from roughbench.results import Results
 
 if TYPE_CHECKING:

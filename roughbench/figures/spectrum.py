@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.figures.curves import experiment_label
 from roughbench.figures.rebuild import Experiment, self_affine_experiments, spec_fault
 from roughbench.figures.style import COLOURS, GUIDE, SMALL, new_figure
+from roughbench.figures.words import experiment_label
 from roughbench.models.base import Sample
 from roughbench.results import Results
 from roughbench.runner.samples import make_sample

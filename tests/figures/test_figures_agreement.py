@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from roughbench.figures import departures
-from roughbench.figures.stiffness import agreement
+from roughbench.figures.agreement import agreement
 from roughbench.results import ModelResult, Results
 
 Make = Callable[..., ModelResult]

@@ -7,15 +7,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from roughbench.figures.curves import (
-    curve_of,
-    experiment_colours,
-    experiment_label,
-    full_contact_pressure,
-    height_label,
-    looks,
-    model_names,
-)
+from roughbench.figures.curves import curve_of, full_contact_pressure
+from roughbench.figures.looks import experiment_colours, looks
+from roughbench.figures.words import experiment_label, height_label, model_names
 from roughbench.results import ModelResult, Results
 
 Make = Callable[..., ModelResult]

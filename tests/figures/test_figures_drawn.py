@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 import roughbench as rb
 from roughbench.figures import departures
 from roughbench.figures.curves import curve_of
-from roughbench.figures.foundation import WINDOW, choose_window, press
+from roughbench.figures.pressed import WINDOW, choose_window, press
 from roughbench.figures.separation import FLOOR
 from roughbench.figures.spectrum import RINGS_PER_DECADE, realized_spectrum
 from roughbench.figures.stiffness import CEILING

@@ -1,0 +1,218 @@
+"""One panel of curves over the pressure, and its legend."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from roughbench.figures.curves import Curve, Quantity, curve_of, full_contact_pressure
+from roughbench.figures.looks import Look, experiment_colours, looks
+from roughbench.figures.style import SMALL
+from roughbench.figures.words import PRESSURE, experiment_label, model_names
+from roughbench.results import Results
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+
+_FULL_CONTACT: Mapping[Quantity, tuple[float, str]] = {
+    "separation": (0.025, "v"),
+    "stiffness": (0.975, "^"),
+}
+"""Where curves leave a logarithmic axis at full contact, for 0 or inf, and the mark."""
+
+
+def draw_panel(
+    axes: Axes,
+    results: Results,
+    experiments: Sequence[str],
+    quantity: Quantity,
+    *,
+    is_inset: bool = False,
+) -> None:
+    """Draw the curves of all contenders in the given experiments, on two log axes.
+
+    Parameters
+    ----------
+    axes : Axes
+    results : Results
+    experiments : sequence of str
+        With one of them, colours tell the contenders apart; else the experiments.
+    quantity : {"area", "separation", "stiffness"}
+    is_inset : bool
+        Small, with a linear ordinate, without error bars and marks.
+    """
+    axes.set_xscale("log")
+    axes.set_yscale("linear" if is_inset else "log")
+    colours = experiment_colours(experiments)
+    styles = looks(results)
+    for number, experiment in enumerate(experiments):
+        turn = number / len(experiments)
+        for label, result in results[experiment].items():
+            curve = curve_of(result, quantity)
+            look = styles[label]
+            colour = colours.get(experiment, look.colour)
+            name = f"{experiment}/{label}/{quantity}"
+            if is_inset:
+                _draw_thin(axes, curve, look, colour, turn=turn)
+            else:
+                _draw_curve(axes, curve, look, colour, name=name, turn=turn)
+                _mark_full_contact(axes, curve, look, colour, quantity)
+    pressures = [
+        result["pressure"] for name in experiments for result in results[name].values()
+    ]
+    extent = np.concatenate(pressures)
+    if extent.min() == extent.max():
+        axes.set_xlim(extent.min() / 10.0, extent.max() * 10.0)
+    if is_inset:
+        axes.tick_params(labelsize=SMALL - 0.5, length=2, pad=1.5)
+        axes.tick_params(which="minor", length=0)
+    else:
+        axes.set_xlabel(PRESSURE)
+
+
+def _draw_curve(
+    axes: Axes, curve: Curve, look: Look, colour: str, *, name: str, turn: float = 0.0
+) -> None:
+    """Draw one contender; what a logarithmic axis cannot show (0, inf, nan) is left out.
+
+    Parameters
+    ----------
+    axes : Axes
+    curve : Curve
+    look : Look
+    colour : str
+    name : str
+        ``gid`` of the line, so that it is found again among the artists.
+    turn : float
+        From 0 to 1, different for each experiment: curves on top of each other then take
+        turns with their dashes, and squares stand inside each other.
+    """
+    drawn = np.isfinite(curve.value) & (curve.value > 0.0)
+    value = np.where(drawn, curve.value, np.nan)
+    has_band = drawn & np.isfinite(curve.lower) & np.isfinite(curve.upper)
+    if look.marker:
+        below = np.where(has_band, curve.value - curve.lower, np.nan)
+        above = np.where(has_band, curve.upper - curve.value, np.nan)
+        bars = axes.errorbar(
+            curve.pressure,
+            value,
+            yerr=np.maximum(np.stack([below, above]), 0.0),
+            fmt=look.marker,
+            color=colour,
+            markerfacecolor="none" if turn else "white",
+            markersize=4.2 - 2.2 * turn,
+            elinewidth=0.7,
+            zorder=look.order,
+        )
+        line = bars.lines[0]
+    else:
+        style = (turn * sum(look.dashes), look.dashes) if look.dashes else "-"
+        (line,) = axes.plot(
+            curve.pressure, value, color=colour, linestyle=style, zorder=look.order
+        )
+        if has_band.any():
+            axes.fill_between(
+                curve.pressure,
+                curve.lower,
+                curve.upper,
+                where=has_band.tolist(),
+                color=colour,
+                alpha=0.25,
+                linewidth=0,
+                zorder=look.order - 0.5,
+            )
+    line.set_gid(name)
+
+
+def _draw_thin(axes: Axes, curve: Curve, look: Look, colour: str, *, turn: float) -> None:
+    """Draw one contender in an inset."""
+    axes.plot(
+        curve.pressure,
+        curve.value,
+        color=colour,
+        linewidth=0.8,
+        marker=look.marker or "none",
+        markersize=1.8,
+        markerfacecolor="none",
+        markeredgewidth=0.5,
+        linestyle="none" if look.marker else (turn, look.dashes) if look.dashes else "-",
+        zorder=look.order,
+    )
+
+
+def _mark_full_contact(
+    axes: Axes, curve: Curve, look: Look, colour: str, quantity: Quantity
+) -> None:
+    pressure = full_contact_pressure(curve)
+    if pressure is None or quantity not in _FULL_CONTACT:
+        return
+    place, marker = _FULL_CONTACT[quantity]
+    axes.plot(
+        [pressure],
+        [place],
+        marker=marker,
+        markersize=4.5,
+        markerfacecolor="white" if look.marker else colour,
+        markeredgecolor=colour,
+        linestyle="none",
+        transform=axes.get_xaxis_transform(),
+        zorder=5,
+        gid="full contact",
+    )
+
+
+def legend_handles(
+    results: Results,
+    experiments: Sequence[str],
+    quantity: Quantity,
+    colours: Mapping[str, str] | None = None,
+) -> list[Artist]:
+    """Return one handle per contender, one per experiment, one for full contact.
+
+    Parameters
+    ----------
+    results : Results
+    experiments : sequence of str
+    quantity : {"area", "separation", "stiffness"}
+    colours : mapping of str to str, optional
+        Of the experiments, where colours tell them apart.
+
+    Returns
+    -------
+    list of Artist
+        Only what is there: no full contact where no curve gets so far.
+    """
+    from matplotlib.lines import Line2D
+
+    styles = looks(results)
+    handles: list[Artist] = []
+    for label, name in model_names(results, experiments, quantity).items():
+        look = styles[label]
+        handles.append(
+            Line2D(
+                [],
+                [],
+                color="0.25" if colours else look.colour,
+                marker=look.marker or "none",
+                markerfacecolor="none",
+                linestyle="none" if look.marker else (0, look.dashes) if look.dashes else "-",
+                label=name,
+            )
+        )
+    if colours:
+        handles += [
+            Line2D([], [], color=colours[name], linewidth=3, label=experiment_label(name))
+            for name in experiments
+        ]
+    if quantity in _FULL_CONTACT and any(
+        full_contact_pressure(curve_of(result, quantity)) is not None
+        for name in experiments
+        for result in results[name].values()
+    ):
+        marker = Line2D([], [], marker=_FULL_CONTACT[quantity][1], linestyle="none")
+        marker.set(color="0.25", markersize=4.5, label="full contact")
+        handles.append(marker)
+    return handles

@@ -1,0 +1,125 @@
+"""What the figures say: axes, legends and remarks."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+
+from roughbench.figures.curves import Quantity, curve_of
+from roughbench.results import ModelResult, Results
+
+MODULUS = r"E\!^*"
+PRESSURE = rf"pressure $p/{MODULUS}$"
+_SYMBOLS: Mapping[str, str] = {
+    "surface.H": "H",
+    "surface.q0": "q_0",
+    "surface.qr": "q_r",
+    "surface.q1": "q_1",
+    "surface.slope": r"\xi",
+    "surface.length": "L",
+    "surface.rms_height": r"h_\mathrm{rms}",
+}
+
+
+def number_text(value: float) -> str:
+    r"""Return a positive number with two digits, as in a text.
+
+    Examples
+    --------
+    >>> print(number_text(2.73e-05))
+    $2.7\times10^{-5}$
+    """
+    digits, exponent = f"{value:.1e}".split("e")
+    return rf"${digits}\times10^{{{int(exponent)}}}$"
+
+
+def experiment_label(name: str) -> str:
+    """Return how an experiment is called in a legend; empty for the only one, ``main``.
+
+    Examples
+    --------
+    >>> experiment_label("surface.qr=8.0"), experiment_label("main")
+    ('$q_r = 8$', '')
+    """
+    if name == "main":
+        return ""
+    words = []
+    for part in name.split(","):
+        key, equals, value = part.partition("=")
+        if re.fullmatch(r"-?\d+\.0", value):
+            value = value.removesuffix(".0")
+        if key in _SYMBOLS and re.fullmatch(r"[-+.\de]+", value):
+            words.append(f"${_SYMBOLS[key]} = {value}$")
+        else:
+            words.append(f"{key.removeprefix('surface.')} = {value}" if equals else part)
+    return ", ".join(words)
+
+
+def height_label(results: Results) -> str:
+    """Return which rms height the lengths are divided by, in words for an axis.
+
+    The sum over the modes of a cell exceeds the integral over the spectrum by up to
+    40 % of h_rms without a roll-off, so a figure has to name its h_rms.
+    """
+    from_files = {result.attributes.get("surface") == "file" for _, result in results.models()}
+    words = {
+        frozenset({False}): "spectrum, continuum",
+        frozenset({True}): "of the given heights",
+    }
+    return rf"($h_\mathrm{{rms}}$: {words.get(frozenset(from_files), 'spectrum or heights')})"
+
+
+def model_names(
+    results: Results, experiments: Sequence[str], quantity: Quantity
+) -> dict[str, str]:
+    """Return the legend's text for every label: title, parameters, n, kind of average."""
+    found: dict[str, list[ModelResult]] = {}
+    for experiment in experiments:
+        for label, result in results[experiment].items():
+            found.setdefault(label, []).append(result)
+    titles = [models[0].title for models in found.values()]
+    names = {}
+    for label, models in found.items():
+        title, kind = models[0].title, models[0].kind
+        if titles.count(title) > 1 and label != kind:
+            title = f"{title}, {label}"
+        remarks = _parameters(models[0], quantity) + _counts(models)
+        if any(curve_of(model, quantity).is_median.all() for model in models):
+            remarks.append("median")
+        names[label] = ", ".join([title, *remarks])
+    return names
+
+
+def _counts(models: Sequence[ModelResult]) -> list[str]:
+    """Return the number of realizations; a theory of the spectrum alone has none."""
+    if models[0].kind == "persson":
+        return []
+    counts = sorted({model.n_realizations for model in models})
+    span = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]}–{counts[-1]}"
+    return [f"$n = {span}$" if len(counts) == 1 else f"$n$ = {span}"]
+
+
+def _parameters(model: ModelResult, quantity: Quantity) -> list[str]:
+    remarks = []
+    if "gamma" in model.attributes:
+        remarks.append(rf"$\gamma = {model.attributes['gamma']:g}$")
+    if quantity == "stiffness" and model.attributes.get("finite_size", "none") != "none":
+        remarks.append("finite size")
+    return remarks
+
+
+def unconverged_remarks(results: Results) -> list[str]:
+    """Return a line for every contender with states that the averages leave out."""
+    total: dict[str, tuple[str, int, int]] = {}
+    for _, result in results.models():
+        _, failed, states = total.get(result.label, ("", 0, 0))
+        total[result.label] = (
+            result.title,
+            failed + result.n_unconverged,
+            states + result.n_states,
+        )
+    return [
+        f"{title}: {failed} of {states} states did not converge and are left out."
+        for title, failed, states in total.values()
+        if failed
+    ]
