@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from roughbench.runner import Progress, Report
 
 SECONDS_BETWEEN_LINES = 30.0
+_BAR = "{percentage:3.0f}%|{bar:20}| {elapsed}<{remaining}{postfix}"
 
 
 def duration(seconds: float) -> str:
@@ -52,13 +53,12 @@ def progress_shown(*, quiet: bool, verbose: bool) -> Iterator[Report | None]:
     from tqdm import tqdm
 
     start = last = time.monotonic()
-    with tqdm(unit="state", disable=None, dynamic_ncols=True, leave=False) as bar:
+    with tqdm(total=1.0, disable=None, dynamic_ncols=True, leave=False, bar_format=_BAR) as bar:
 
         def report(news: Progress) -> None:
             nonlocal last
-            bar.total = news.total
-            bar.set_postfix_str(news.text, refresh=False)
-            bar.update(news.done - bar.n)
+            bar.set_postfix_str(f"{news.done}/{news.total} states: {news.text}", refresh=False)
+            bar.update(news.share - bar.n)
             now = time.monotonic()
             if verbose or (bar.disable and now - last >= SECONDS_BETWEEN_LINES):
                 last = now
@@ -69,9 +69,10 @@ def progress_shown(*, quiet: bool, verbose: bool) -> Iterator[Report | None]:
 
 
 def _line(news: Progress, elapsed: float) -> str:
-    share = news.done / news.total
-    left = f", about {duration(elapsed / share - elapsed)} left" if 0 < share < 1 else ""
+    left = ""
+    if 0 < news.share < 1:
+        left = f", about {duration(elapsed / news.share - elapsed)} left"
     return (
-        f"{news.done} of {news.total} states ({share:.0%}) after {duration(elapsed)}{left}: "
-        f"{news.text}"
+        f"{news.share:.0%} done after {duration(elapsed)}{left}: "
+        f"{news.done} of {news.total} states, {news.text}"
     )

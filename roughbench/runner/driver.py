@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from roughbench.errors import RoughbenchError
 from roughbench.results import ModelResult, Results
 from roughbench.runner.assemble import assemble
-from roughbench.runner.plan import Task, check, plan, tasks_of
+from roughbench.runner.plan import Cell, Task, check, plan, tasks_of
 from roughbench.runner.pool import Finished, compute_all
 from roughbench.runner.progress import Progress, Report
 from roughbench.spec import Source, load_spec
@@ -81,7 +81,7 @@ def run(
         tasks,
         jobs=jobs,
         threads=threads or max(1, available_cores() // jobs),
-        finished=_counter(sum(cell.n_states for cell in cells), progress),
+        finished=_counter(cells, progress),
     )
     experiments: dict[str, dict[str, ModelResult]] = {}
     for cell in cells:
@@ -93,23 +93,28 @@ def run(
     return results
 
 
+def _counter(cells: Sequence[Cell], progress: Report | None) -> Finished:
+    """Return a callable that adds up finished tasks and tells ``progress``."""
+    total = sum(cell.n_states for cell in cells)
+    all_work = sum(cell.n_realizations * cell.work for cell in cells)
+    done, work = 0, 0.0
+    if progress is not None:
+        progress(Progress(done, total, 0.0, "starting"))
+
+    def finished(task: Task) -> None:
+        nonlocal done, work
+        n_realizations = len(task.realizations)
+        done += n_realizations * len(task.cell.pressures)
+        work += n_realizations * task.cell.work
+        share = 1.0 if done == total else work / all_work
+        if progress is not None:
+            progress(Progress(done, total, share, str(task)))
+
+    return finished
+
+
 def available_cores() -> int:
     """Return the number of cores that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
-
-
-def _counter(total: int, progress: Report | None) -> Finished:
-    """Return a callable that counts the states of finished tasks and tells ``progress``."""
-    done = 0
-    if progress is not None:
-        progress(Progress(done, total, "starting"))
-
-    def finished(task: Task) -> None:
-        nonlocal done
-        done += len(task.realizations) * len(task.cell.pressures)
-        if progress is not None:
-            progress(Progress(done, total, str(task)))
-
-    return finished

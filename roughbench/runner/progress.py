@@ -14,12 +14,16 @@ class Progress:
     ----------
     done, total : int
         States (one realization at one pressure) computed so far, and in all.
+    share : float
+        Estimated share of the work that is done, 0 to 1: a state of the exact solver
+        takes a thousand times as long as one of the foundation.
     text : str
         What was computed last, such as ``main/bem, realization 3 of 10``.
     """
 
     done: int
     total: int
+    share: float
     text: str
 
 

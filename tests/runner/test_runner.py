@@ -267,6 +267,9 @@ def test_progress_counts_every_state_once(small_spec: dict[str, Any], jobs: int)
     done = [n.done for n in news]
     assert done == sorted(set(done))
     assert (done[0], done[-1]) == (0, 63)
+    shares = [n.share for n in news]
+    assert shares == sorted(shares)
+    assert (shares[0], shares[-1]) == (0.0, 1.0)
     texts = {n.text for n in news}
     assert "main/persson" in texts
     if jobs == 1:
@@ -321,3 +324,10 @@ def test_refuses_a_bad_output_before_it_computes(
     with pytest.raises(rb.StoreError, match="no such folder"):
         rb.run(small_spec, output=tmp_path / "missing" / "r.h5", progress=news.append)
     assert news == []
+
+
+def test_the_exact_solver_weighs_most(small_spec: dict[str, Any]) -> None:
+    models = [{"kind": "bem", "grid": 512}, {"kind": "foundation", "springs": 8192}]
+    exact, foundation = plan(load_spec({**small_spec, "models": models}))
+    assert exact.work == 3 * 512**2
+    assert foundation.work == 8192
