@@ -13,6 +13,7 @@ import roughbench
 
 LAYERS = (
     "errors",
+    "publish",
     "spectrum",
     "surface",
     "heights_file",

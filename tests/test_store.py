@@ -21,6 +21,7 @@ from hypothesis.extra import numpy as hypothesis_numpy
 
 from roughbench import store
 from roughbench.errors import StoreError
+from roughbench.publish import check_writable
 from roughbench.results import Array, Attribute, ModelResult, Results, dimensions
 from roughbench.store import load, write_results
 
@@ -247,16 +248,16 @@ def test_refuses_places_that_it_cannot_write_to(tmp_path: Path) -> None:
     ):
         write_results(results(), tmp_path / "missing" / "r.h5")
     with pytest.raises(StoreError, match=r"no such folder .*create it first"):
-        store.check_writable(tmp_path / "missing" / "r.h5")
+        check_writable(tmp_path / "missing" / "r.h5")
     with pytest.raises(StoreError, match="it is a folder"):
-        store.check_writable(tmp_path)
-    store.check_writable(tmp_path / "new.h5")
+        check_writable(tmp_path)
+    check_writable(tmp_path / "new.h5")
 
 
 def test_asks_for_permission_before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "access", lambda *_: False)  # root may write anywhere
     with pytest.raises(StoreError, match="no permission in"):
-        store.check_writable(tmp_path / "r.h5")
+        check_writable(tmp_path / "r.h5")
 
 
 def test_refuses_types_that_the_file_does_not_know(tmp_path: Path) -> None:

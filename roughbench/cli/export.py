@@ -39,7 +39,8 @@ def command(results: Path, folder: Path, states: bool) -> None:  # noqa: FBT001
     of the files.
     """
     from roughbench.cli.tables import states_csv, summary_csv
-    from roughbench.store import commit, load
+    from roughbench.publish import commit
+    from roughbench.store import load
 
     loaded = load(results)
     folder.mkdir(parents=True, exist_ok=True)

@@ -6,13 +6,14 @@ import os
 from collections.abc import Sequence
 
 from roughbench.errors import RoughbenchError
+from roughbench.publish import check_writable
 from roughbench.results import ModelResult, Results
 from roughbench.runner.assemble import assemble
 from roughbench.runner.plan import Cell, Task, check, plan, tasks_of
 from roughbench.runner.pool import Finished, compute_all
 from roughbench.runner.progress import Progress, Report
 from roughbench.spec import Source, load_spec
-from roughbench.store import check_writable, write_results
+from roughbench.store import write_results
 
 
 def run(
