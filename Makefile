@@ -12,8 +12,8 @@ BIN := .venv/bin
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help demo test test-all lint smoke fig1 fig2 fig3 fig4 figures paper-fig3 \
-	paper-fig4 paper-bem compare bench readme-figures dist dist-check clean distclean \
-	setup setup-dev python
+	paper-fig4 paper-bem compare compare-tamaas bench readme-figures dist dist-check clean \
+	distclean setup setup-dev python
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / { printf "  make %-16s%s\n", $$1, $$2 }' Makefile
@@ -58,7 +58,7 @@ paper-fig3 paper-fig4 paper-bem: setup
 
 paper-fig3: ## Fig. 3 at the paper's q1 = 8192 q0, without the exact solver
 paper-fig4: ## Fig. 4 at the paper's q1 = 8192 q0, without the exact solver
-paper-bem: ## the exact solver at q1 = 8192 q0: some 20 GB of memory, hours; see the spec
+paper-bem: ## the exact solver at q1 = 8192 q0: 20 GB of memory, hours (see the spec)
 
 ## -- checking --------------------------------------------------------------------------
 
@@ -76,6 +76,12 @@ lint: setup-dev ## ruff and mypy
 smoke: setup ## every command once, on tiny grids
 	PATH="$(CURDIR)/$(BIN):$$PATH" sh scripts/smoke.sh
 
+compare: setup ## the models against an independent prototype's numbers
+	$(BIN)/python scripts/compare_reference.py
+
+compare-tamaas: setup ## the exact solver against Tamaas, in an environment of its own
+	$(BIN)/python scripts/compare_tamaas.py
+
 bench: setup ## the benchmarks in scripts/
 	@for script in scripts/bench_*.py; do \
 		echo "== $$script"; $(BIN)/python $$script || exit 1; done
@@ -84,8 +90,7 @@ bench: setup ## the benchmarks in scripts/
 
 readme-figures: demo ## the figures in docs/figures, drawn again
 	@mkdir -p docs/figures
-	cp figures/quick/area.png figures/quick/separation.png figures/quick/stiffness.png \
-		docs/figures/
+	cp figures/quick/area.png figures/quick/stiffness.png docs/figures/
 
 dist: setup-dev ## wheel and source archive in dist/
 	rm -rf dist
