@@ -58,9 +58,7 @@ class ContactState:
             pressure = (sigma + load) * problem.pressure_unit
             gap = np.zeros_like(pressure)
         else:
-            contact = solution.points.in_contact()
-            self.area_fraction = solver.corrected_area(contact)
-            self.area_fraction_raw = contact.size / solver.size
+            self.area_fraction, self.area_fraction_raw = solver.area(solution.points)
             self.mean_separation = -solution.alpha * solver.rms
             self.energy = solution.energy * problem.energy_unit
             self.status = solution.status
@@ -76,8 +74,7 @@ class ContactState:
         """K = −dp/dū at frozen contact, modulus/length; inf at full contact."""
         if self._solution is None:
             return math.inf
-        contact = self._solution.points.in_contact()
-        stiffness, _ = self._problem.solver.tangent(contact)
+        stiffness, _ = self._problem.solver.tangent(self._solution.points)
         return stiffness * self._problem.pressure_unit / self._problem.solver.rms
 
 
@@ -206,11 +203,9 @@ def solve_curve(
         before = solver.pairs
         points = solver.cold_start(load) if start is None else solver.predict(*start, load)
         solution = solver.solve(load, points)
-        contact = solution.points.in_contact()
-        stiffness, rate = solver.tangent(contact)
-        start = (solution.load, contact, rate)
-        values["area"][i] = solver.corrected_area(contact)
-        values["area_raw"][i] = contact.size / solver.size
+        values["area"][i], values["area_raw"][i] = solver.area(solution.points)
+        stiffness, rate = solver.tangent(solution.points)
+        start = (load, solution.points, rate)
         values["separation"][i] = -solution.alpha * solver.rms
         values["stiffness"][i] = stiffness * problem.pressure_unit / solver.rms
         values["energy"][i] = solution.energy * problem.energy_unit

@@ -1,10 +1,17 @@
 """Fused loops of the exact solver: one pass over memory each, sums in float64.
 
-A *working set* lists the grid points that may carry pressure, row by row: the points of
-row i are ``columns[rows[i]:rows[i + 1]]``, increasing. Vectors on it are compressed to
-its length; ``field`` is a dense (n, m) array. Every loop works on rows ``a`` to ``b``
-(vectors: entries ``a`` to ``b``), releases the interpreter lock and returns its sums, so
-that :class:`Team` can run several row blocks at once and add the sums in block order.
+A *working set* is a list of tiles of the grid, 8 × 8 points (a line: 1 × 8), tile row
+by tile row: those of tile row I are ``tiles[rows[I]:rows[I + 1]]``, increasing tile
+columns. Vectors on it are flat, tile after tile, each row by row, so that the innermost
+loops run over 8 adjacent numbers and need no index. Where the grid ends inside a tile,
+the points beyond it have p = 0 and r = ``NEVER``.
+
+A point is *free* if p > 0 or ρ = r − α < 0. ``field`` is a dense (n, m) array;
+``scratch`` is one with a halo XX
+
+Every loop works on tile rows, or tiles, or grid rows ``a`` to ``b``, releases the
+interpreter lock and returns its sums, so that :class:`Team` can run several blocks at
+once and add the sums in block order.
 """
 
 from __future__ import annotations
@@ -18,16 +25,23 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-# Sums may be reordered for vector instructions; NaN and infinity keep their meaning.
-_loop = numba.njit(
-    nogil=True, cache=True, error_model="numpy", fastmath={"reassoc", "contract", "arcp", "nsz"}
-)
+TILE = 8
+"""Points per tile and direction."""
+
+NEVER = 1e30
+"""Residual of points that can never be free."""
+
+# Sums may be reordered, and minima taken, by vector instructions. Infinities keep their
+# meaning; a NaN still reaches the sums that the solver checks.
+_FLAGS = {"reassoc", "contract", "arcp", "nsz", "nnan"}
+_loop = numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=_FLAGS)
+_inline = numba.njit(inline="always", error_model="numpy", fastmath=_FLAGS)
 
 Blocks = Sequence[tuple[int, int]]
 
 
 class Team:
-    """Runs a loop over row blocks on a fixed number of threads.
+    """Runs a loop over blocks on a fixed number of threads.
 
     The calling thread takes the last block. Idle threads sleep, they do not spin.
     """
@@ -36,22 +50,16 @@ class Team:
         self.threads = threads
         self._pool = ThreadPoolExecutor(threads - 1) if threads > 1 else None
 
-    def split(
-        self, rows: NDArray[np.int64], cell_starts: NDArray[np.int64]
-    ) -> tuple[Blocks, Blocks]:
-        """Row blocks that share the points of a working set evenly, and their entries.
-
-        Blocks begin at ``cell_starts``, the first rows of the rows of cells.
-        """
+    def split(self, rows: NDArray[np.int64]) -> tuple[Blocks, Blocks]:
+        """Blocks of tile rows that share the tiles evenly, and the tiles of each."""
         targets = np.linspace(0, rows[-1], self.threads + 1)[1:-1]
-        inner = cell_starts[np.searchsorted(rows[cell_starts[:-1]], targets)]
+        inner = np.searchsorted(rows, targets)
         ends = [0, *(int(i) for i in inner), len(rows) - 1]
         row_blocks = list(itertools.pairwise(ends))
-        entries = [(int(rows[a]), int(rows[b])) for a, b in row_blocks]
-        return row_blocks, entries
+        return row_blocks, [(int(rows[a]), int(rows[b])) for a, b in row_blocks]
 
     def even(self, n_rows: int) -> Blocks:
-        """Row blocks of equal height, for dense loops."""
+        """Blocks of equally many rows."""
         ends = np.linspace(0, n_rows, self.threads + 1).astype(int).tolist()
         return list(itertools.pairwise(ends))
 
@@ -66,6 +74,54 @@ class Team:
     def sum(self, loop: Callable[..., Any], blocks: Blocks, *args: Any) -> NDArray[np.float64]:
         """Run ``loop`` and add its sums in block order."""
         return np.add.reduce(np.array(self.run(loop, blocks, *args), dtype=np.float64), axis=0)
+
+
+def wrap_halo(scratch: NDArray[Any]) -> None:
+    """Fill the halo periodically."""
+    scratch[0] = scratch[-2]
+    scratch[-1] = scratch[1]
+    scratch[:, 0] = scratch[:, -2]
+    scratch[:, -1] = scratch[:, 1]
+
+
+# Loops over whole tiles go through views, and rows of eight through unsigned indices: of an
+# index that cannot be negative the compiler makes vector instructions.
+_1, _2, _TILE = np.uint64(1), np.uint64(2), np.uint64(TILE)
+
+
+@_inline
+def _copy(source, i, target, j, width):
+    """target[j : j + width] = source[i : i + width], for at most eight values."""
+    k, c = np.uint64(i), np.uint64(j)
+    if width == TILE:
+        for e in range(_TILE):
+            target[c + e] = source[k + e]
+    else:
+        for e in range(np.uint64(width)):
+            target[c + e] = source[k + e]
+
+
+@_inline
+def _stencil(north, here, south, c, w0, wx, wy, wd):
+    """3 × 3 stencil around column c of a grid with a halo, where it is column c + 1."""
+    return (
+        w0 * here[c + _1]
+        + wx * (here[c] + here[c + _2])
+        + wy * (north[c + _1] + south[c + _1])
+        + wd * (north[c] + north[c + _2] + south[c] + south[c + _2])
+    )
+
+
+@_inline
+def _centred(p, r, k, alpha, mean, zero):
+    """ρ minus its tile's mean if point k is free, else zero."""
+    rho = r[k] - alpha
+    free = (p[k] > 0) | (rho < 0)
+    rho -= mean
+    return rho if free else zero
+
+
+# -- dense fields ------------------------------------------------------------------------
 
 
 @_loop
@@ -85,16 +141,6 @@ def multiply_by_kernel(a, b, spectral, qy_squared, qx_squared, factor, exponent)
 
 
 @_loop
-def scatter(a, b, rows, columns, values, field):
-    """Dense rows that are ``values`` on the working set and zero elsewhere."""
-    for i in range(a, b):
-        row = field[i]
-        row[:] = 0.0
-        for k in range(rows[i], rows[i + 1]):
-            row[columns[k]] = values[k]
-
-
-@_loop
 def traction_at_full_contact(a, b, field, heights, height_scale, height_mean):
     """Lowest value of the traction in ``field``, and its product sum with the heights."""
     lowest = np.inf
@@ -109,388 +155,18 @@ def traction_at_full_contact(a, b, field, heights, height_scale, height_mean):
 
 
 @_loop
-def contact_sums(a, b, p, r):
-    """Return the number of points in contact and Σr over them."""
-    n = 0
-    total = 0.0
-    for k in range(a, b):
-        if p[k] > 0:
-            n += 1
-            total += r[k]
-    return float(n), total
-
-
-@_loop
-def restrict_residual(
-    a, b, rows, columns, p, r, alpha, scratch, row_cells, column_cells, count, force
-):
-    """Split ρ = r − α on free points into its mean per cell and the rest.
-
-    Free points are those with p > 0 or ρ < 0. The number of free points of each cell goes
-    to ``count``, the sum of ρ over them to ``force``, and ρ minus its cell mean to
-    ``scratch``, which has a halo of one point and is zero everywhere else. The block
-    ``a`` … ``b`` holds whole rows of cells. Returns Σp|ρ| and min ρ.
-    """
-    total = 0.0
-    worst = 0.0
-    i = a
-    while i < b:
-        cell = row_cells[i]
-        end = i
-        n_here = count[cell]
-        sum_here = force[cell]
-        n_here[:] = 0
-        sum_here[:] = 0
-        while end < b and row_cells[end] == cell:
-            for k in range(rows[end], rows[end + 1]):
-                rho = r[k] - alpha
-                if p[k] > 0 or rho < 0:
-                    c = column_cells[columns[k]]
-                    n_here[c] += 1
-                    sum_here[c] += rho
-                    total += p[k] * abs(rho)
-                    worst = min(worst, np.float64(rho))
-            end += 1
-        for row_index in range(i, end):
-            row = scratch[row_index + 1]
-            for k in range(rows[row_index], rows[row_index + 1]):
-                rho = r[k] - alpha
-                j = columns[k]
-                if p[k] > 0 or rho < 0:
-                    c = column_cells[j]
-                    row[j + 1] = rho - sum_here[c] / n_here[c]
-                else:
-                    row[j + 1] = 0
-        i = end
-    return total, worst
-
-
-@_loop
-def clear(a, b, rows, columns, scratch):
-    """Set ``scratch`` (with halo) to zero on the working set."""
-    for i in range(a, b):
-        row = scratch[i + 1]
-        for k in range(rows[i], rows[i + 1]):
-            row[columns[k] + 1] = 0
-
-
-def wrap_halo(scratch: NDArray[Any]) -> None:
-    """Fill the halo periodically."""
-    scratch[0] = scratch[-2]
-    scratch[-1] = scratch[1]
-    scratch[:, 0] = scratch[:, -2]
-    scratch[:, -1] = scratch[:, 1]
-
-
-@_loop
-def precondition(
-    a,
-    b,
-    rows,
-    columns,
-    p,
-    r,
-    alpha,
-    scratch,
-    weights,
-    row_cells,
-    column_cells,
-    count,
-    coarse,
-    cell_sums,
-    y,
-    d,
-    z,
-):
-    """z = (1 − Q) stencil (1 − Q) ρ + coarse solution, on free points.
-
-    Q takes the mean over the free points of each cell; ``scratch`` holds (1 − Q)ρ and
-    ``coarse`` one value per cell. Returns the number of free points and, over them,
-    Σz, Σρ, Σy, Σd, Σzρ, Σzy.
-    """
-    w0, wx, wy, wd = weights[0], weights[1], weights[2], weights[3]
-    n = 0
-    sum_z = sum_rho = sum_y = sum_d = sum_zrho = sum_zy = 0.0
-    i = a
-    while i < b:
-        cell = row_cells[i]
-        end = i
-        sum_here = cell_sums[cell]
-        sum_here[:] = 0
-        while end < b and row_cells[end] == cell:
-            north, here, south = scratch[end], scratch[end + 1], scratch[end + 2]
-            for k in range(rows[end], rows[end + 1]):
-                if p[k] > 0 or r[k] - alpha < 0:
-                    j = columns[k] + 1
-                    value = (
-                        w0 * here[j]
-                        + wx * (here[j - 1] + here[j + 1])
-                        + wy * (north[j] + south[j])
-                        + wd * (north[j - 1] + north[j + 1] + south[j - 1] + south[j + 1])
-                    )
-                    z[k] = value
-                    sum_here[column_cells[j - 1]] += value
-            end += 1
-        for row_index in range(i, end):
-            for k in range(rows[row_index], rows[row_index + 1]):
-                rho = r[k] - alpha
-                if p[k] > 0 or rho < 0:
-                    c = column_cells[columns[k]]
-                    value = z[k] + (coarse[cell, c] - sum_here[c] / count[cell, c])
-                    z[k] = value
-                    n += 1
-                    sum_z += value
-                    sum_rho += rho
-                    sum_y += y[k]
-                    sum_d += d[k]
-                    sum_zrho += np.float64(value) * rho
-                    sum_zy += np.float64(value) * y[k]
-                else:
-                    z[k] = 0
-        i = end
-    return float(n), sum_z, sum_rho, sum_y, sum_d, sum_zrho, sum_zy
-
-
-@_loop
-def new_direction(a, b, p, r, alpha, z, beta, shift, tau, d):
-    """d = −z + βd + shift on free points, zero on the others.
-
-    Returns Σdρ and Σmax(p + τd, 0).
-    """
-    slope = 0.0
-    total = 0.0
-    for k in range(a, b):
-        rho = r[k] - alpha
-        if p[k] > 0 or rho < 0:
-            value = beta * d[k] - z[k] + shift
-            slope += np.float64(value) * rho
-        else:
-            value = 0 * rho
-        d[k] = value
-        trial = p[k] + tau * value
-        if trial > 0:
-            total += trial
-    return slope, total
-
-
-@_loop
-def trial_sum(a, b, p, d, tau):
-    """Σmax(p + τd, 0)."""
-    total = 0.0
-    for k in range(a, b):
-        trial = p[k] + tau * d[k]
-        if trial > 0:
-            total += trial
-    return total, 0.0
-
-
-@_loop
-def trial_step(a, b, rows, columns, p, r, alpha, d, tau, scale, s, field):
-    """s = scale·max(p + τd, 0) − p, also as dense rows of ``field``.
-
-    Returns Σsρ, the number of clipped points and the largest feasible step along s.
-    """
-    slope = 0.0
-    clipped = 0
-    reach = np.inf
-    for i in range(a, b):
-        row = field[i]
-        row[:] = 0
-        for k in range(rows[i], rows[i + 1]):
-            trial = p[k] + tau * d[k]
-            if trial > 0:
-                value = scale * trial - p[k]
-            else:
-                value = -p[k]
-                clipped += p[k] > 0
-            s[k] = value
-            row[columns[k]] = value
-            slope += np.float64(value) * (r[k] - alpha)
-            if value < 0:
-                reach = min(reach, p[k] / -np.float64(value))
-    return slope, float(clipped), reach
-
-
-@_loop
-def gather_step(a, b, rows, columns, field, s, y):
-    """y = field on the working set; returns Σsy."""
-    curvature = 0.0
-    for i in range(a, b):
-        row = field[i]
-        for k in range(rows[i], rows[i + 1]):
-            value = row[columns[k]]
-            y[k] = value
-            curvature += np.float64(s[k]) * value
-    return curvature, 0.0
-
-
-@_loop
-def advance(a, b, t, s, y, p, r):
-    """p += ts (not below zero), r += ty; returns the contact sums of the new state."""
-    n = 0
-    total = 0.0
-    for k in range(a, b):
-        pressure = p[k] + t * s[k]
-        r[k] += t * y[k]
-        # A point that the step empties keeps no rounding residue of pressure.
-        if pressure > 1e-6 * p[k]:
-            p[k] = pressure
-            n += 1
-            total += r[k]
-        else:
-            p[k] = 0
-    return float(n), total
-
-
-@_loop
-def axpy(a, b, factor, x, y):
-    """y += factor·x."""
-    for k in range(a, b):
-        y[k] += factor * x[k]
-
-
-@_loop
 def overlap_sums(a, b, heights, height_scale, height_mean, plane):
     """Σmax(h − d, 0) for a plane at height d, and the number of points above it."""
     total = 0.0
-    n = 0
+    n = 0.0
     for i in range(a, b):
         row = heights[i]
         for j in range(row.shape[0]):
             overlap = height_scale * (row[j] - height_mean) - plane
-            if overlap > 0:
-                total += overlap
-                n += 1
-    return total, float(n)
-
-
-@_loop
-def sparse_gap_sums(a, b, rows, columns, p, field, heights, height_scale, height_mean):
-    """Σp, Σp(u − h) and Σpu over the working set; u = field."""
-    mass = 0.0
-    moment = 0.0
-    energy = 0.0
-    for i in range(a, b):
-        u_row = field[i]
-        h_row = heights[i]
-        for k in range(rows[i], rows[i + 1]):
-            j = columns[k]
-            u = np.float64(u_row[j])
-            mass += p[k]
-            moment += p[k] * (u - height_scale * (h_row[j] - height_mean))
-            energy += p[k] * u
-    return mass, moment, energy
-
-
-@_loop
-def count_working_set(
-    a, b, rows, columns, p, field, heights, height_scale, height_mean, alpha, counts
-):
-    """Count, per row, the points with p > 0 or gap u − h − α < 0.
-
-    Returns Σ p|gap| and the most negative gap of all points.
-    """
-    total = 0.0
-    worst = 0.0
-    for i in range(a, b):
-        u_row = field[i]
-        h_row = heights[i]
-        n = 0
-        for j in range(h_row.shape[0]):
-            gap = u_row[j] - height_scale * (h_row[j] - height_mean) - alpha
-            n += gap < 0
-            worst = min(worst, np.float64(gap))
-        for k in range(rows[i], rows[i + 1]):
-            if p[k] > 0:
-                j = columns[k]
-                gap = u_row[j] - height_scale * (h_row[j] - height_mean) - alpha
-                n += not gap < 0
-                total += p[k] * abs(gap)
-        counts[i] = n
-    return total, worst
-
-
-@_loop
-def fill_working_set(
-    a,
-    b,
-    rows,
-    columns,
-    p,
-    field,
-    heights,
-    height_scale,
-    height_mean,
-    alpha,
-    new_rows,
-    new_columns,
-    new_p,
-    new_r,
-):
-    """List the points that :func:`count_working_set` counted; carry p over.
-
-    ``new_r`` becomes u − h − α, the gap above the plane, at these points.
-    """
-    for i in range(a, b):
-        u_row = field[i]
-        h_row = heights[i]
-        old = rows[i]
-        end = rows[i + 1]
-        k = new_rows[i]
-        for j in range(h_row.shape[0]):
-            gap = u_row[j] - height_scale * (h_row[j] - height_mean) - alpha
-            listed = old < end and columns[old] == j
-            if gap < 0 or (listed and p[old] > 0):
-                new_columns[k] = j
-                new_r[k] = gap
-                new_p[k] = p[old] if listed else 0
-                k += 1
-            if listed:
-                old += 1
-    return 0.0, 0.0
-
-
-@_loop
-def boundary_edges(a, b, rows, columns, p, n_columns, vertical):
-    """Grid edges between contact (p > 0) and no contact, in rows ``a`` to ``b``.
-
-    Horizontal neighbours are compared within a row, and each row with the next one if
-    ``vertical``; both periodic. Returns the number of points in contact and of edges.
-    """
-    n_rows = rows.shape[0] - 1
-    n_contact = 0
-    joined = 0
-    for i in range(a, b):
-        previous = -2
-        first = -2
-        for k in range(rows[i], rows[i + 1]):
-            if p[k] > 0:
-                j = columns[k]
-                n_contact += 1
-                joined += j == previous + 1
-                if first < 0:
-                    first = j
-                previous = j
-        joined += first == 0 and previous == n_columns - 1
-        if vertical:
-            i_next = (i + 1) % n_rows
-            m = rows[i_next]
-            for k in range(rows[i], rows[i + 1]):
-                if p[k] > 0:
-                    while m < rows[i_next + 1] and columns[m] < columns[k]:
-                        m += 1
-                    if m < rows[i_next + 1] and columns[m] == columns[k]:
-                        joined += p[m] > 0
-    sides = 4 if vertical else 2
-    return float(n_contact), float(sides * n_contact - 2 * joined)
-
-
-@_loop
-def residual_vector(a, b, p, r, alpha, z):
-    """z = ρ on free points, zero on the others."""
-    for k in range(a, b):
-        rho = r[k] - alpha
-        z[k] = rho if p[k] > 0 or rho < 0 else 0 * rho
+            above = overlap > 0
+            total += overlap if above else 0.0
+            n += 1.0 if above else 0.0
+    return total, n
 
 
 @_loop
@@ -502,3 +178,501 @@ def dense_gap(a, b, field, heights, height_scale, height_mean, alpha, gap):
         g_row = gap[i]
         for j in range(h_row.shape[0]):
             g_row[j] = u_row[j] - height_scale * (h_row[j] - height_mean) - alpha
+
+
+# -- between fields and working sets -------------------------------------------------------
+
+
+@_loop
+def scatter(a, b, height, rows, tiles, values, field):
+    """Dense tile rows that are ``values`` on the working set and zero elsewhere."""
+    n, m = field.shape
+    for tile_row in range(a, b):
+        i0 = tile_row * height
+        partial = (rows[tile_row + 1] - rows[tile_row]) * TILE < m
+        for i in range(i0, min(i0 + height, n)):
+            row = field[i]
+            if partial:
+                row[:] = 0
+            k = rows[tile_row] * height * TILE + (i - i0) * TILE
+            for t in range(rows[tile_row], rows[tile_row + 1]):
+                j = tiles[t] * TILE
+                _copy(values, k, row, j, min(TILE, m - j))
+                k += height * TILE
+
+
+@_loop
+def gap_sums(a, b, height, rows, tiles, p, field, heights, height_scale, height_mean):
+    """Σp, Σp(u − h) and Σpu over the working set; u = field."""
+    n, m = field.shape
+    mass = 0.0
+    moment = 0.0
+    energy = 0.0
+    for tile_row in range(a, b):
+        i0 = tile_row * height
+        for i in range(i0, min(i0 + height, n)):
+            u_row = field[i]
+            h_row = heights[i]
+            k = rows[tile_row] * height * TILE + (i - i0) * TILE
+            for t in range(rows[tile_row], rows[tile_row + 1]):
+                j = tiles[t] * TILE
+                for e in range(min(TILE, m - j)):
+                    pressure = np.float64(p[k + e])
+                    u = np.float64(u_row[j + e])
+                    mass += pressure
+                    moment += pressure * (u - height_scale * (h_row[j + e] - height_mean))
+                    energy += pressure * u
+                k += height * TILE
+    return mass, moment, energy
+
+
+@_loop
+def choose_tiles(
+    a,
+    b,
+    height,
+    rows,
+    tiles,
+    p,
+    field,
+    heights,
+    height_scale,
+    height_mean,
+    alpha,
+    chosen,
+):
+    """Mark the tiles with a point under pressure or of negative gap u − h − α.
+
+    ``chosen`` has the shape of the tiles. Returns Σp|gap| and the most negative gap of
+    all points.
+    """
+    n, m = field.shape
+    total = 0.0
+    worst = 0.0
+    for tile_row in range(a, b):
+        mark = chosen[tile_row]
+        mark[:] = 0
+        i0 = tile_row * height
+        for i in range(i0, min(i0 + height, n)):
+            u_row = field[i]
+            h_row = heights[i]
+            for tile in range(mark.shape[0]):
+                j0 = tile * TILE
+                lowest = np.inf
+                for j in range(j0, min(j0 + TILE, m)):
+                    gap = u_row[j] - height_scale * (h_row[j] - height_mean) - alpha
+                    lowest = min(lowest, gap)
+                worst = min(worst, lowest)
+                if lowest < 0:
+                    mark[tile] = 1
+            k = rows[tile_row] * height * TILE + (i - i0) * TILE
+            for t in range(rows[tile_row], rows[tile_row + 1]):
+                j = tiles[t] * TILE
+                for e in range(min(TILE, m - j)):
+                    pressure = p[k + e]
+                    if pressure > 0:
+                        h = height_scale * (h_row[j + e] - height_mean)
+                        total += pressure * abs(u_row[j + e] - h - alpha)
+                        mark[tiles[t]] = 1
+                k += height * TILE
+    return total, worst
+
+
+@_loop
+def fill_tiles(
+    a,
+    b,
+    height,
+    rows,
+    tiles,
+    p,
+    field,
+    heights,
+    height_scale,
+    height_mean,
+    alpha,
+    new_rows,
+    new_tiles,
+    new_p,
+    new_r,
+):
+    """Carry p over to the chosen tiles, and set r to the gap u − h − α there."""
+    n, m = field.shape
+    size = height * TILE
+    for tile_row in range(a, b):
+        i0 = tile_row * height
+        old = rows[tile_row]
+        for t in range(new_rows[tile_row], new_rows[tile_row + 1]):
+            while old < rows[tile_row + 1] and tiles[old] < new_tiles[t]:
+                old += 1
+            known = old < rows[tile_row + 1] and tiles[old] == new_tiles[t]
+            j = new_tiles[t] * TILE
+            for i in range(i0, i0 + height):
+                k = t * size + (i - i0) * TILE
+                k_old = old * size + (i - i0) * TILE
+                for e in range(TILE):
+                    if i < n and j + e < m:
+                        h = height_scale * (heights[i, j + e] - height_mean)
+                        new_r[k + e] = field[i, j + e] - h - alpha
+                        new_p[k + e] = p[k_old + e] if known else 0
+                    else:
+                        new_r[k + e] = NEVER
+                        new_p[k + e] = 0
+
+
+@_loop
+def clear(a, b, height, rows, tiles, scratch):
+    """Set ``scratch`` to zero on the working set."""
+    n, m = scratch.shape[0] - 2, scratch.shape[1] - 2
+    for tile_row in range(a, b):
+        i0 = tile_row * height
+        for i in range(i0, min(i0 + height, n)):
+            row = scratch[i + 1]
+            for t in range(rows[tile_row], rows[tile_row + 1]):
+                j = tiles[t] * TILE
+                row[j + 1 : min(j + TILE, m) + 1] = 0
+
+
+@_loop
+def spread_contact(a, b, height, rows, tiles, p, scratch):
+    """Write 1 to ``scratch`` where p > 0, 0 elsewhere on the working set."""
+    n, m = scratch.shape[0] - 2, scratch.shape[1] - 2
+    for tile_row in range(a, b):
+        i0 = tile_row * height
+        for i in range(i0, min(i0 + height, n)):
+            row = scratch[i + 1]
+            k = rows[tile_row] * height * TILE + (i - i0) * TILE
+            for t in range(rows[tile_row], rows[tile_row + 1]):
+                j = tiles[t] * TILE
+                for e in range(min(TILE, m - j)):
+                    row[j + 1 + e] = 1 if p[k + e] > 0 else 0
+                k += height * TILE
+
+
+@_loop
+def boundary_edges(a, b, height, rows, tiles, p, scratch):
+    """Points with p > 0, and grid edges between these and others (from ``scratch``)."""
+    n, m = scratch.shape[0] - 2, scratch.shape[1] - 2
+    contact = 0.0
+    edges = 0.0
+    for tile_row in range(a, b):
+        i0 = tile_row * height
+        for i in range(i0, min(i0 + height, n)):
+            north, here, south = scratch[i], scratch[i + 1], scratch[i + 2]
+            k = rows[tile_row] * height * TILE + (i - i0) * TILE
+            for t in range(rows[tile_row], rows[tile_row + 1]):
+                j = tiles[t] * TILE
+                for e in range(min(TILE, m - j)):
+                    if p[k + e] > 0:
+                        c = j + 1 + e
+                        contact += 1.0
+                        edges += 4.0 - north[c] - south[c] - here[c - 1] - here[c + 1]
+                k += height * TILE
+    return contact, edges
+
+
+# -- one iteration of the relaxation, in this order ------------------------------------------
+
+
+@_loop
+def advance(a, b, height, rows, tiles, one, t_p, t_r, alpha, p, r, s, y, count, force, scratch):
+    """p += t_p s (not below zero), r += t_r y; split ρ = r − α on free points by tiles.
+
+    The number of free points of each tile goes to ``count``, the sum of ρ over them to
+    ``force``, and ρ minus its mean over them to ``scratch``. Returns Σp|ρ| and min ρ.
+    """
+    n, m = scratch.shape[0] - 2, scratch.shape[1] - 2
+    size = height * TILE
+    zero = one - one
+    total = 0.0
+    lowest = np.zeros(size, p.dtype)  # one minimum per place in a tile: no reduction
+    for tile_row in range(a, b):
+        i0 = tile_row * height
+        rows_here = min(height, n - i0)
+        for tile in range(rows[tile_row], rows[tile_row + 1]):
+            base = tile * size
+            n_free = zero
+            sum_rho = zero
+            product = zero
+            p_here, r_here = p[base : base + size], r[base : base + size]
+            s_here, y_here = s[base : base + size], y[base : base + size]
+            for k in range(size):
+                pressure = p_here[k] + t_p * s_here[k]
+                # A point that the step empties keeps no rounding residue of pressure.
+                pressure = pressure if pressure > np.float32(1e-6) * p_here[k] else zero
+                p_here[k] = pressure
+                residual = r_here[k] + t_r * y_here[k]
+                r_here[k] = residual
+                rho = residual - alpha
+                free = (pressure > 0) | (rho < 0)
+                n_free += one if free else zero
+                sum_rho += rho if free else zero
+                product += pressure * abs(rho)
+                lowest[k] = min(lowest[k], rho)
+            total += product
+            column = tiles[tile]
+            count[tile_row, column] = n_free
+            force[tile_row, column] = sum_rho
+            mean = sum_rho / n_free if n_free > 0 else zero
+            j = column * TILE
+            for i in range(rows_here):
+                row = scratch[i0 + i + 1]
+                k = np.uint64(base + i * TILE)
+                c = np.uint64(j + 1)
+                if j + TILE <= m:
+                    for e in range(_TILE):
+                        row[c + e] = _centred(p, r, k + e, alpha, mean, zero)
+                else:
+                    for e in range(np.uint64(m - j)):
+                        row[c + e] = _centred(p, r, k + e, alpha, mean, zero)
+    return total, np.float64(lowest.min())
+
+
+@_loop
+def precondition(
+    a, b, height, rows, tiles, one, p, r, alpha, scratch, weights, count, coarse, y, d, z
+):
+    """z = (1 − Q) stencil (1 − Q) ρ + coarse solution, on free points.
+
+    Q takes the mean over the free points of each tile; ``scratch`` holds (1 − Q)ρ and
+    ``coarse`` one value per tile. Returns the number of free points and, over them,
+    Σz, Σρ, Σy, Σd, Σzρ, Σzy.
+    """
+    n, m = scratch.shape[0] - 2, scratch.shape[1] - 2
+    w0, wx, wy, wd = weights[0], weights[1], weights[2], weights[3]
+    size = height * TILE
+    zero = one - one
+    n_free = sum_z = sum_rho = sum_y = sum_d = sum_zrho = sum_zy = 0.0
+    for tile_row in range(a, b):
+        i0 = tile_row * height
+        for tile in range(rows[tile_row], rows[tile_row + 1]):
+            base = tile * size
+            column = tiles[tile]
+            free_here = count[tile_row, column]
+            j = column * TILE
+            for i in range(height):
+                first = base + i * TILE
+                if i0 + i >= n or j + TILE > m:
+                    z[first : first + TILE] = zero
+                if i0 + i >= n:
+                    continue
+                north, here, south = scratch[i0 + i], scratch[i0 + i + 1], scratch[i0 + i + 2]
+                c, k = np.uint64(j), np.uint64(first)
+                if j + TILE <= m:
+                    for e in range(_TILE):
+                        z[k + e] = _stencil(north, here, south, c + e, w0, wx, wy, wd)
+                else:
+                    for e in range(np.uint64(m - j)):
+                        z[k + e] = _stencil(north, here, south, c + e, w0, wx, wy, wd)
+            p_here, r_here = p[base : base + size], r[base : base + size]
+            d_here, y_here = d[base : base + size], y[base : base + size]
+            z_here = z[base : base + size]
+            tile_z = zero
+            for k in range(size):
+                free = (p_here[k] > 0) | (r_here[k] - alpha < 0)
+                value = z_here[k]
+                tile_z += value if free else zero
+            lift = coarse[tile_row, column] - (tile_z / free_here if free_here > 0 else zero)
+            tile_rho = tile_y = tile_d = tile_zrho = tile_zy = zero
+            tile_z = zero
+            for k in range(size):
+                rho = r_here[k] - alpha
+                free = (p_here[k] > 0) | (rho < 0)
+                rho = rho if free else zero
+                value = z_here[k] + lift
+                value = value if free else zero
+                image = y_here[k]
+                image = image if free else zero
+                before = d_here[k]
+                z_here[k] = value
+                tile_z += value
+                tile_rho += rho
+                tile_y += image
+                tile_d += before if free else zero
+                tile_zrho += value * rho
+                tile_zy += value * image
+            n_free += free_here
+            sum_z += tile_z
+            sum_rho += tile_rho
+            sum_y += tile_y
+            sum_d += tile_d
+            sum_zrho += tile_zrho
+            sum_zy += tile_zy
+    return n_free, sum_z, sum_rho, sum_y, sum_d, sum_zrho, sum_zy
+
+
+@_loop
+def use_residual(a, b, size, one, p, r, alpha, z):
+    """z = ρ on free points, zero on the others; returns the number of these and Σz."""
+    zero = one - one
+    n_free = 0.0
+    total = 0.0
+    for tile in range(a, b):
+        base = tile * size
+        p_here, r_here = p[base : base + size], r[base : base + size]
+        z_here = z[base : base + size]
+        n_here = here = zero
+        for k in range(size):
+            rho = r_here[k] - alpha
+            free = (p_here[k] > 0) | (rho < 0)
+            rho = rho if free else zero
+            z_here[k] = rho
+            n_here += one if free else zero
+            here += rho
+        n_free += n_here
+        total += here
+    return n_free, total
+
+
+@_loop
+def turn(a, b, size, one, p, r, alpha, z, beta, shift, tau, d):
+    """d = −z + βd + shift on free points, zero on the others; returns Σmax(p + τd, 0)."""
+    zero = one - one
+    total = 0.0
+    for tile in range(a, b):
+        base = tile * size
+        p_here, r_here = p[base : base + size], r[base : base + size]
+        z_here, d_here = z[base : base + size], d[base : base + size]
+        here = zero
+        for k in range(size):
+            free = (p_here[k] > 0) | (r_here[k] - alpha < 0)
+            value = beta * d_here[k] - z_here[k] + shift
+            value = value if free else zero
+            d_here[k] = value
+            trial = p_here[k] + tau * value
+            here += trial if trial > 0 else zero
+        total += here
+    return total, 0.0
+
+
+@_loop
+def trial_sum(a, b, size, one, p, d, tau):
+    """Σmax(p + τd, 0)."""
+    zero = one - one
+    total = 0.0
+    for tile in range(a, b):
+        p_here = p[tile * size : (tile + 1) * size]
+        d_here = d[tile * size : (tile + 1) * size]
+        here = zero
+        for k in range(size):
+            trial = p_here[k] + tau * d_here[k]
+            here += trial if trial > 0 else zero
+        total += here
+    return total, 0.0
+
+
+@_loop
+def trial_step(a, b, height, rows, tiles, one, p, r, alpha, d, tau, scale, s, field):
+    """s = scale·max(p + τd, 0) − p, also as dense rows of ``field``.
+
+    Returns Σsρ and the number of points that lose all their pressure.
+    """
+    n, m = field.shape
+    size = height * TILE
+    zero = one - one
+    slope = 0.0
+    clipped = 0.0
+    for tile_row in range(a, b):
+        i0 = tile_row * height
+        rows_here = min(height, n - i0)
+        if (rows[tile_row + 1] - rows[tile_row]) * TILE < m:
+            for i in range(i0, i0 + rows_here):
+                field[i, :] = 0
+        for tile in range(rows[tile_row], rows[tile_row + 1]):
+            base = tile * size
+            here = zero
+            lost = zero
+            p_here, r_here = p[base : base + size], r[base : base + size]
+            s_here, d_here = s[base : base + size], d[base : base + size]
+            for k in range(size):
+                pressure = p_here[k]
+                trial = pressure + tau * d_here[k]
+                value = scale * trial
+                value = (value if trial > 0 else zero) - pressure
+                s_here[k] = value
+                here += value * (r_here[k] - alpha)
+                lost += one if (pressure > 0) & (trial <= 0) else zero
+            slope += here
+            clipped += lost
+            j = tiles[tile] * TILE
+            for i in range(rows_here):
+                k = base + i * TILE
+                _copy(s, k, field[i0 + i], j, min(TILE, m - j))
+    return slope, clipped
+
+
+@_loop
+def gather_step(a, b, height, rows, tiles, one, field, p, r, s, y):
+    """y = field on the working set; returns Σsy, and over p > 0 the number, Σr and Σy."""
+    n, m = field.shape
+    size = height * TILE
+    zero = one - one
+    curvature = contact = sum_r = sum_y = 0.0
+    for tile_row in range(a, b):
+        i0 = tile_row * height
+        rows_here = min(height, n - i0)
+        for tile in range(rows[tile_row], rows[tile_row + 1]):
+            base = tile * size
+            j = tiles[tile] * TILE
+            for i in range(rows_here):
+                _copy(field[i0 + i], j, y, base + i * TILE, min(TILE, m - j))
+            p_here, r_here = p[base : base + size], r[base : base + size]
+            s_here, y_here = s[base : base + size], y[base : base + size]
+            tile_sy = tile_n = tile_r = tile_y = zero
+            for k in range(size):
+                loaded = p_here[k] > 0
+                residual = r_here[k]
+                image = y_here[k]
+                tile_sy += s_here[k] * image
+                tile_n += one if loaded else zero
+                tile_r += residual if loaded else zero
+                tile_y += image if loaded else zero
+            curvature += tile_sy
+            contact += tile_n
+            sum_r += tile_r
+            sum_y += tile_y
+    return curvature, contact, sum_r, sum_y
+
+
+@_loop
+def add(a, b, size, factor, values, total):
+    """total += factor·values."""
+    for tile in range(a, b):
+        values_here = values[tile * size : (tile + 1) * size]
+        total_here = total[tile * size : (tile + 1) * size]
+        for k in range(size):
+            total_here[k] += factor * values_here[k]
+
+
+@_loop
+def largest_step(a, b, size, one, p, s):
+    """Largest t with p + ts ≥ 0."""
+    far = one / (one - one)
+    reach = np.full(size, far, p.dtype)
+    for tile in range(a, b):
+        p_here = p[tile * size : (tile + 1) * size]
+        s_here = s[tile * size : (tile + 1) * size]
+        for k in range(size):
+            ratio = -p_here[k] / s_here[k]
+            reach[k] = min(reach[k], ratio if s_here[k] < 0 else far)
+    return np.float64(reach.min())
+
+
+@_loop
+def contact_sums(a, b, size, one, p, r):
+    """Return the number of points with p > 0 and Σr over them."""
+    zero = one - one
+    n = 0.0
+    total = 0.0
+    for tile in range(a, b):
+        p_here = p[tile * size : (tile + 1) * size]
+        r_here = r[tile * size : (tile + 1) * size]
+        n_here = here = zero
+        for k in range(size):
+            loaded = p_here[k] > 0
+            n_here += one if loaded else zero
+            residual = r_here[k]
+            here += residual if loaded else zero
+        n += n_here
+        total += here
+    return n, total

@@ -1,7 +1,7 @@
 r"""Two-level preconditioner of G restricted to a contact set that changes.
 
 A pressure on the free points is split into its mean over the free points of each
-cell (a square of about 8 × 8 grid points; Q takes these means) and the rest:
+cell (a tile of 8 × 8 grid points; Q takes these means) and the rest:
 
 .. math:: M = (1 - Q)\, S_{3×3}\, (1 - Q) + Z E^{-1} Z^T .
 
@@ -28,51 +28,41 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+from roughbench.models.halfspace.loops import TILE
 from roughbench.models.halfspace.operator import kernel_on
+from roughbench.models.halfspace.working_set import tile_grid, tile_height
 from roughbench.transform import RealTransform
-
-CELL = 8
-"""Grid points per cell and direction, about."""
 
 COARSE_ITERATIONS = 2
 """1 costs up to half as many iterations again on the fine grid, 3 gain nothing."""
 
 
 class CellSolver:
-    """Solves (N G_c N + D) y = f for the pressure y of the cells.
+    """Solves (N G_c N + D) y = f for the pressure y of the cells, which are the tiles.
 
     Parameters
     ----------
     shape : (int, int)
-        Fine grid.
+        Grid.
     dtype : dtype
         float32 or float64.
 
     Attributes
     ----------
-    row_cells, column_cells : ndarray of int32
-        Cell of each grid row and column.
-    starts : ndarray of int64, shape (rows of cells + 1,)
-        First grid row of each row of cells.
-    count, force, work : ndarray, shape of the cells
-        Free points of each cell; the right-hand side f; room for the loops.
+    count, force : ndarray, shape of the tiles
+        Free points of each tile; the right-hand side f.
     """
 
     def __init__(self, shape: tuple[int, int], dtype: DTypeLike) -> None:
-        n, m = shape
-        cells = (1 if n == 1 else max(1, round(n / CELL)), max(1, round(m / CELL)))
-        self.row_cells = (np.arange(n) * cells[0] // n).astype(np.int32)
-        self.column_cells = (np.arange(m) * cells[1] // m).astype(np.int32)
-        self.starts = np.append(np.searchsorted(self.row_cells, np.arange(cells[0])), n)
-        self.count, self.force, self.work = (np.zeros(cells, dtype) for _ in range(3))
+        cells = tile_grid(shape)
+        self.count, self.force = np.zeros(cells, dtype), np.zeros(cells, dtype)
         self._transform = RealTransform(cells, dtype, threads=1)
-        self._tables(shape, cells)
+        self._tables((tile_height(shape), TILE), cells)
 
-    def _tables(self, shape: tuple[int, int], cells: tuple[int, int]) -> None:
+    def _tables(self, size: tuple[int, int], cells: tuple[int, int]) -> None:
         """Kernel between cells, and energy of n points in a cell beyond an even spread."""
-        size = (1 if shape[0] == 1 else CELL, CELL)
-        # Kernel on the lattice of cells: mean of G over two cells of CELL points each, as
-        # the sum over the aliases of a wavevector, truncated to a few.
+        # Kernel on the lattice of cells: mean of G over two cells, as the sum over the
+        # aliases of each wavevector.
         self._kernel = averaged_kernel(cells, size)
         n_cells = cells[0] * cells[1]
         half = 2.0 * np.ones_like(self._kernel)
@@ -107,6 +97,8 @@ class CellSolver:
         smoother = (1.0 / ((share * relative + (1.0 - share)) * n_cells)).astype(relative.dtype)
         scale = np.where(occupied, 1.0 / np.sqrt(diagonal), 0.0).astype(self.count.dtype)
         y = np.zeros_like(self.force)
+        if not self._self_compliance > 0.0:  # a single cell has no coarse problem
+            return y
         residual = self.force.copy()
         z = scale * self._multiply(scale * residual, smoother)
         direction = z

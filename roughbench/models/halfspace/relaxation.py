@@ -36,6 +36,7 @@ class Relaxation:
         self.cells = CellSolver(shape, dtype)
         self._weights = stiffness_stencil(shape, dtype)
         self._scratch = np.zeros((shape[0] + 2, shape[1] + 2), dtype)
+        self._one = self.dtype.type(1)
         self._step_guess = 0.3
 
     def minimise(
@@ -77,10 +78,16 @@ class Relaxation:
         """
         number = self.dtype.type
         w = points
-        blocks, entries = self.team.split(w.rows, self.cells.starts)
+        blocks, tiles = self.team.split(w.rows)
+        self.cells.count[:] = 0
+        self.cells.force[:] = 0
         w.d[:] = 0
+        w.s[:] = 0
         w.y[:] = 0
-        n_contact, sum_r = self.team.sum(loops.contact_sums, entries, w.p, w.r)
+        n_contact, sum_r = self.team.sum(
+            loops.contact_sums, tiles, w.tile_size, self._one, w.p, w.r
+        )
+        alpha = sum_r / n_contact
         previous_power = 0.0
         length = 0.0
         best = math.inf
@@ -88,14 +95,13 @@ class Relaxation:
         reached = False
         iteration = 0
         while True:
-            # 1. residual
-            alpha = number(sum_r / n_contact)
+            # 4. of the last iteration, and 1. of this one
             parts = self.team.run(
-                loops.restrict_residual,
+                loops.advance,
                 blocks,
-                *(w.rows, w.columns, w.p, w.r, alpha, self._scratch),
-                *(self.cells.row_cells, self.cells.column_cells),
-                *(self.cells.count, self.cells.force),
+                *w.layout,
+                *(self._one, number(length), number(length), number(alpha)),
+                *(w.p, w.r, w.s, w.y, self.cells.count, self.cells.force, self._scratch),
             )
             complementarity = sum(part[0] for part in parts) / total
             penetration = -min(part[1] for part in parts)
@@ -108,96 +114,108 @@ class Relaxation:
             if reached or iteration >= max_iterations or since_best > 40:
                 break
             # 2. direction
-            loops.wrap_halo(self._scratch)
-            n_free, sum_z, sum_rho, sum_y, sum_d, z_rho, z_y = self.team.sum(
-                loops.precondition,
-                blocks,
-                *(w.rows, w.columns, w.p, w.r, alpha, self._scratch, self._weights),
-                *(self.cells.row_cells, self.cells.column_cells, self.cells.count),
-                *(self.cells.solve(), self.cells.work, w.y, w.d, w.z),
+            n_free, sum_z, sum_rho, sum_y, sum_d, z_rho, z_y = self._precondition(
+                w, blocks, alpha
             )
             mean_z = sum_z / n_free
             power = z_rho - mean_z * sum_rho
             # ρ changed by length·y on the points that were free before.
             change = length * (z_y - mean_z * sum_y)
             beta = max(0.0, change / previous_power) if previous_power > 0.0 else 0.0
+            shift = mean_z - beta * sum_d / n_free
             # 3. step
-            found = self._descend(w, blocks, entries, alpha, total, beta, mean_z, sum_d, n_free)
+            found = self._descend(w, blocks, tiles, alpha, total, beta, shift)
             if found is None:
                 break
-            length, step_length = found
-            # 4. advance
-            n_contact, sum_r = self.team.sum(
-                loops.advance, entries, number(length), w.s, w.y, w.p, w.r
-            )
-            self._step_guess = step_length
+            length, alpha = found
             previous_power = power
             iteration += 1
-        self.team.run(loops.clear, blocks, w.rows, w.columns, self._scratch)
+        self.team.run(loops.clear, blocks, *w.layout, self._scratch)
         return iteration, reached
+
+    def _precondition(
+        self, w: WorkingSet, blocks: loops.Blocks, alpha: float
+    ) -> NDArray[np.float64]:
+        """s = M ρ on free points; returns the sums of :func:`.loops.precondition`."""
+        loops.wrap_halo(self._scratch)
+        coarse = self.cells.solve()
+        return self.team.sum(
+            loops.precondition,
+            blocks,
+            *w.layout,
+            *(self._one, w.p, w.r, self.dtype.type(alpha), self._scratch, self._weights),
+            *(self.cells.count, coarse, w.y, w.d, w.s),
+        )
 
     def _descend(
         self,
         w: WorkingSet,
         blocks: loops.Blocks,
-        entries: loops.Blocks,
-        alpha: Any,
+        tiles: loops.Blocks,
+        alpha: float,
         total: float,
         beta: float,
-        mean_z: float,
-        sum_d: float,
-        n_free: float,
+        shift: float,
     ) -> tuple[float, float] | None:
-        """Set s and y = G s; return the step along s and the next τ, or None at the floor."""
+        """Find a step along which the energy falls, and set s and y = G s for it.
+
+        Returns how far to go along s and α after that step, or None where no step of
+        this precision descends.
+        """
         number = self.dtype.type
+        offset = number(alpha)
         field = self.operator.field
         tau = self._step_guess
+        size = w.tile_size
         for attempt in range(8):
-            if attempt == 1:
-                beta = 0.0
-            elif attempt > 1:
-                self.team.run(loops.residual_vector, entries, w.p, w.r, alpha, w.z)
-                n_free, mean_z = self._free_mean(w, alpha)
+            if attempt == 1:  # without conjugacy
+                n_free, sum_z, *_ = self._precondition(w, blocks, alpha)
+                beta, shift = 0.0, sum_z / n_free
+            elif attempt > 1:  # along the residual itself, ever shorter
+                n_free, sum_z = self.team.sum(
+                    loops.use_residual, tiles, size, self._one, w.p, w.r, offset, w.s
+                )
+                shift = sum_z / n_free
                 tau *= 0.25
-            shift = number(mean_z - beta * sum_d / n_free)
-            _, trial = self.team.sum(
-                loops.new_direction,
-                entries,
-                *(w.p, w.r, alpha, w.z, number(beta), shift, number(tau), w.d),
+            trial, _ = self.team.sum(
+                loops.turn,
+                tiles,
+                *(size, self._one, w.p, w.r, offset, w.s),
+                *(number(beta), number(shift), number(tau), w.d),
             )
             for _ in range(8):
                 if not 0.0 < trial < math.inf:
                     return None
-                parts = self.team.run(
+                slope, clipped = self.team.sum(
                     loops.trial_step,
                     blocks,
-                    *(w.rows, w.columns, w.p, w.r, alpha, w.d),
+                    *w.layout,
+                    *(self._one, w.p, w.r, offset, w.d),
                     *(number(tau), number(total / trial), w.s, field),
                 )
-                slope = sum(part[0] for part in parts)
-                clipped = sum(part[1] for part in parts)
-                reach = min(part[2] for part in parts)
                 if not slope < 0.0:
                     break
                 self.operator.displace()
-                curvature, _ = self.team.sum(
-                    loops.gather_step, blocks, w.rows, w.columns, field, w.s, w.y
+                curvature, n_contact, sum_r, sum_y = self.team.sum(
+                    loops.gather_step, blocks, *w.layout, self._one, field, w.p, w.r, w.s, w.y
                 )
                 if not 0.0 < curvature < math.inf:
                     return None
                 exact = -slope / curvature
                 if exact >= 0.5 or clipped == 0:
-                    return min(exact, reach), min(max(tau * min(exact, 3.0), 1e-6), 1e6)
+                    self._step_guess = min(max(tau * min(exact, 3.0), 1e-6), 1e6)
+                    length = exact
+                    if exact > 1.0:
+                        reach = self.team.run(
+                            loops.largest_step, tiles, size, self._one, w.p, w.s
+                        )
+                        length = min(exact, *reach)
+                    return length, (sum_r + length * sum_y) / n_contact
                 tau *= exact
-                trial, _ = self.team.sum(loops.trial_sum, entries, w.p, w.d, number(tau))
+                trial, _ = self.team.sum(
+                    loops.trial_sum, tiles, size, self._one, w.p, w.d, number(tau)
+                )
         return None
-
-    @staticmethod
-    def _free_mean(w: WorkingSet, alpha: Any) -> tuple[float, float]:
-        """Return the number of free points and the mean of z over them."""
-        free = (w.p > 0) | (w.r - alpha < 0)
-        n = int(np.count_nonzero(free))
-        return float(n), float(w.z[free].sum(dtype=np.float64)) / n
 
     def tangent(
         self, points: WorkingSet, tolerance: float, max_iterations: int = 500
@@ -211,7 +229,7 @@ class Relaxation:
         Parameters
         ----------
         points : WorkingSet
-            With p > 0 everywhere; d, z, s, y, r are overwritten.
+            The contact is where p > 0; d, s, y, r are overwritten.
         tolerance : float
             Relative error of the compliance, about.
         max_iterations : int
@@ -220,76 +238,88 @@ class Relaxation:
         -------
         (float, ndarray, int)
             Compliance −dū/dp, the pressure x per unit nominal pressure on the points
-            (shape (n,)), and the iterations done.
+            (shape of p), and the iterations done.
         """
         number = self.dtype.type
         w = points
         size = self.operator.field.size
-        blocks, entries = self.team.split(w.rows, self.cells.starts)
-        x = np.empty_like(w.p)
+        blocks, tiles = self.team.split(w.rows)
+        self.cells.count[:] = 0
+        self.cells.force[:] = 0
         w.d[:] = 0
         w.y[:] = 0
-        w.r[:] = 1
-        self._precondition_contact(w, blocks)
-        x[:] = w.z
+        w.s[:] = 0
+        # Off the contact r is out of reach for α, so these points are never free.
+        w.r[:] = np.where(w.p > 0, number(1), number(loops.NEVER))
+        self._split_residual(w, blocks, 0.0, 0.0)
+        self._precondition(w, blocks, 0.0)
+        x = w.s.copy()
         x *= number(size / x.sum(dtype=np.float64))
-        w.s[:] = x
-        compliance = self._image(w, blocks) / size
-        w.r[:] = w.y
-        w.r -= number(w.r.mean(dtype=np.float64))
-        power = self._precondition_contact(w, blocks)
-        np.negative(w.z, out=w.d)
+        work, n_contact, _, sum_y = self._image(w, blocks, x)
+        compliance = work / size
+        w.r[w.p > 0] = 0
+        alpha, length = sum_y / n_contact, 1.0
+        previous = math.inf
         iteration = 1
-        while iteration < max_iterations and power > 0.0:
-            w.s[:] = w.d
-            curvature = self._image(w, blocks)
+        while True:
+            self._split_residual(w, blocks, length, alpha)
+            _, sum_z, sum_r, _, _, z_r, _ = self._precondition(w, blocks, alpha)
+            mean_z = sum_z / n_contact
+            power = float(z_r - mean_z * sum_r)
+            if not power > 0.0 or iteration >= max_iterations:
+                break
+            self.team.run(
+                loops.turn,
+                tiles,
+                *(w.tile_size, self._one, w.p, w.r, number(alpha), w.s),
+                *(number(power / previous), number(mean_z), number(0), w.d),
+            )
+            curvature, _, sum_r, sum_y = self._image(w, blocks, w.d)
             if not curvature > 0.0:
                 break
             length = power / curvature
-            self.team.run(loops.axpy, entries, number(length), w.s, x)
-            self.team.run(loops.axpy, entries, number(length), w.y, w.r)
-            w.r -= number(w.r.mean(dtype=np.float64))
+            self.team.run(loops.add, tiles, w.tile_size, number(length), w.d, x)
+            alpha = (sum_r + length * sum_y) / n_contact
             gain = length * power / size
             compliance -= gain
+            previous = power
             iteration += 1
             if gain <= tolerance * compliance:
                 break
-            previous, power = power, self._precondition_contact(w, blocks)
-            w.d *= number(power / previous)
-            w.d -= w.z
-        self.team.run(loops.clear, blocks, w.rows, w.columns, self._scratch)
+        self.team.run(loops.clear, blocks, *w.layout, self._scratch)
         return compliance, x, iteration
 
-    def _image(self, w: WorkingSet, blocks: loops.Blocks) -> float:
-        """y = G s on the points; returns Σsy."""
-        field = self.operator.field
-        self.team.run(loops.scatter, blocks, w.rows, w.columns, w.s, field)
-        self.operator.displace()
-        return float(
-            self.team.sum(loops.gather_step, blocks, w.rows, w.columns, field, w.s, w.y)[0]
-        )
-
-    def _precondition_contact(self, w: WorkingSet, blocks: loops.Blocks) -> float:
-        """z = M r on points that are all in contact, mean free; returns Σzr.
-
-        For the constant r of the first call z is not made mean free: the mean is all of it.
-        """
+    def _split_residual(
+        self, w: WorkingSet, blocks: loops.Blocks, length: float, alpha: float
+    ) -> None:
+        """r += length·y, with its split by tiles; p stays as it is."""
+        number = self.dtype.type
         self.team.run(
-            loops.restrict_residual,
+            loops.advance,
             blocks,
-            *(w.rows, w.columns, w.p, w.r, self.dtype.type(0), self._scratch),
-            *(self.cells.row_cells, self.cells.column_cells),
-            *(self.cells.count, self.cells.force),
+            *w.layout,
+            *(self._one, number(0), number(length), number(alpha), w.p, w.r, w.s, w.y),
+            *(self.cells.count, self.cells.force, self._scratch),
         )
+
+    def _image(
+        self, w: WorkingSet, blocks: loops.Blocks, x: NDArray[Any]
+    ) -> NDArray[np.float64]:
+        """y = G x on the tiles; returns Σxy, and over the contact its size, Σr and Σy."""
+        field = self.operator.field
+        self.team.run(loops.scatter, blocks, *w.layout, x, field)
+        self.operator.displace()
+        return self.team.sum(
+            loops.gather_step, blocks, *w.layout, self._one, field, w.p, w.r, x, w.y
+        )
+
+    def count_edges(self, w: WorkingSet) -> tuple[float, float]:
+        """Points in contact, and grid edges between contact and no contact."""
+        blocks, _ = self.team.split(w.rows)
+        self.team.run(loops.spread_contact, blocks, *w.layout, w.p, self._scratch)
         loops.wrap_halo(self._scratch)
-        n, sum_z, sum_r, _, _, z_r, _ = self.team.sum(
-            loops.precondition,
-            blocks,
-            *(w.rows, w.columns, w.p, w.r, self.dtype.type(0), self._scratch, self._weights),
-            *(self.cells.row_cells, self.cells.column_cells, self.cells.count),
-            *(self.cells.solve(), self.cells.work, w.y, w.d, w.z),
+        contact, edges = self.team.sum(
+            loops.boundary_edges, blocks, *w.layout, w.p, self._scratch
         )
-        if abs(sum_r) > 0.5 * n:
-            return float(z_r)
-        w.z -= self.dtype.type(sum_z / n)
-        return float(z_r - sum_z / n * sum_r)
+        self.team.run(loops.clear, blocks, *w.layout, self._scratch)
+        return float(contact), float(edges)

@@ -23,7 +23,7 @@ from roughbench.models.base import Status
 from roughbench.models.halfspace import loops
 from roughbench.models.halfspace.operator import HalfSpaceOperator
 from roughbench.models.halfspace.relaxation import PENETRATION_SLACK, Relaxation
-from roughbench.models.halfspace.working_set import WorkingSet
+from roughbench.models.halfspace.working_set import WorkingSet, tile_grid
 
 FLOAT32_FLOOR = 2e-7
 """Tolerances below this are iterated in float64 from the start."""
@@ -177,20 +177,22 @@ class Solver:
                 break
             plane += excess * self.size / (modulus * count)
         self.exact.field[...] = 0.0
-        none = WorkingSet.empty(np.zeros(self.heights.shape[0], np.int64), np.float64)
-        counts, _, _ = self._count(none, -plane)
-        points = self._fill(none, -plane, counts, self._relaxation(double=False).dtype)
-        np.negative(points.r, out=points.p)
+        dtype = self._relaxation(double=False).dtype
+        shape = self.heights.shape
+        none = WorkingSet.on(shape, np.zeros(tile_grid(shape), np.uint8), dtype)
+        chosen, _, _ = self._choose(none, -plane)
+        points = self._fill(none, -plane, chosen, dtype)
+        np.maximum(-points.r, 0, out=points.p)
         self._restore_load(points, load)
         return points
 
     def predict(
-        self, solved: float, contact: WorkingSet, rate: NDArray[np.floating], load: float
+        self, solved: float, points: WorkingSet, rate: NDArray[np.floating], load: float
     ) -> WorkingSet:
         """Pressure at another load than ``solved``: p + Δp̄ ∂p/∂p̄ where that is positive."""
-        change = contact.p.dtype.type(load - solved)
-        points = contact.in_contact()
-        np.maximum(contact.p + change * rate, 0, out=points.p)
+        rate *= rate.dtype.type(load - solved)
+        points.p += rate
+        np.maximum(points.p, 0, out=points.p)
         self._restore_load(points, load)
         return points
 
@@ -216,12 +218,13 @@ class Solver:
         """
         before = self.pairs
         total = load * self.size
+        aim = self.tolerance
         iterations = 0
         double = not self._use_single
         previous_error = math.inf
         while True:
             alpha, energy, mass = self._displace(points)
-            counts, moment, lowest = self._count(points, alpha)
+            chosen, moment, lowest = self._choose(points, alpha)
             certificate = Certificate(
                 complementarity=float(moment / mass),
                 penetration=-float(lowest),
@@ -234,9 +237,10 @@ class Solver:
                 status = Status.NOT_FINITE
                 break
             converged = certificate.holds(self.tolerance)
-            # Near full contact the whole gap is smaller than the tolerance: aim at 1 % of
-            # its mean, so that stiffness and area mean something there.
-            aim = min(self.tolerance, max(-0.01 * alpha, AIM_FLOOR))
+            if converged:
+                # Near full contact the whole gap is smaller than the tolerance: aim at
+                # 1 % of its mean, so that stiffness and area mean something there.
+                aim = min(self.tolerance, max(-0.01 * alpha, AIM_FLOOR))
             if certificate.holds(aim):
                 status = Status.CONVERGED
                 break
@@ -251,7 +255,7 @@ class Solver:
             double |= aim < FLOAT32_FLOOR
             previous_error = error
             relaxation = self._relaxation(double=double)
-            points = self._fill(points, alpha, counts, relaxation.dtype)
+            points = self._fill(points, alpha, chosen, relaxation.dtype)
             done, _ = relaxation.minimise(
                 points, total, 0.5 * aim, self.max_iterations - iterations
             )
@@ -270,71 +274,62 @@ class Solver:
 
     def _displace(self, points: WorkingSet) -> tuple[float, float, float]:
         """Put u = G p into the exact field; return α = Σp(u − h)/Σp, ½⟨pu⟩ and Σp."""
-        blocks, _ = self.team.split(points.rows, np.arange(points.rows.size))
+        blocks, _ = self.team.split(points.rows)
         field = self.exact.field
-        self.team.run(loops.scatter, blocks, points.rows, points.columns, points.p, field)
+        self.team.run(loops.scatter, blocks, *points.layout, points.p, field)
         self.exact.displace()
         mass, moment, energy = self.team.sum(
-            loops.sparse_gap_sums,
-            blocks,
-            points.rows,
-            points.columns,
-            points.p,
-            field,
-            *self._h,
+            loops.gap_sums, blocks, *points.layout, points.p, field, *self._h
         )
         return moment / mass, energy / (2 * self.size), mass
 
-    def _count(
+    def _choose(
         self, points: WorkingSet, alpha: float
-    ) -> tuple[NDArray[np.int64], float, float]:
-        """Points per row with p > 0 or gap < 0, Σp|g| and the most negative gap."""
-        counts = np.empty(self.heights.shape[0], np.int64)
+    ) -> tuple[NDArray[np.uint8], float, float]:
+        """Tiles with pressure or negative gap, Σp|g| and the most negative gap."""
+        chosen = np.empty(tile_grid(self.heights.shape), np.uint8)
         parts = self.team.run(
-            loops.count_working_set,
-            self._even,
-            *(points.rows, points.columns, points.p, self.exact.field, *self._h, alpha),
-            counts,
+            loops.choose_tiles,
+            self.team.even(chosen.shape[0]),
+            *points.layout,
+            *(points.p, self.exact.field, *self._h, alpha, chosen),
         )
-        return counts, sum(part[0] for part in parts), min(part[1] for part in parts)
+        return chosen, sum(part[0] for part in parts), min(part[1] for part in parts)
 
     def _fill(
-        self, points: WorkingSet, alpha: float, counts: NDArray[np.int64], dtype: DTypeLike
+        self, points: WorkingSet, alpha: float, chosen: NDArray[np.uint8], dtype: DTypeLike
     ) -> WorkingSet:
-        """Working set of the points that :meth:`_count` counted, with p and r = gap set."""
-        chosen = WorkingSet.empty(counts, dtype)
+        """Working set of the chosen tiles, with p carried over and r = gap."""
+        filled = WorkingSet.on(self.heights.shape, chosen, dtype)
         self.team.run(
-            loops.fill_working_set,
-            self._even,
-            *(points.rows, points.columns, points.p, self.exact.field, *self._h, alpha),
-            *(chosen.rows, chosen.columns, chosen.p, chosen.r),
+            loops.fill_tiles,
+            self.team.even(chosen.shape[0]),
+            *points.layout,
+            *(points.p, self.exact.field, *self._h, alpha),
+            *(filled.rows, filled.tiles, filled.p, filled.r),
         )
-        return chosen
+        return filled
 
     # -- what follows from a state -----------------------------------------------------
 
-    def tangent(self, contact: WorkingSet) -> tuple[float, NDArray[np.floating]]:
-        """Stiffness −dp̄/dū at frozen contact, and ∂p/∂p̄ on the contact points."""
-        relaxation = self._relaxation(double=contact.p.dtype == np.float64)
-        compliance, rate, _ = relaxation.tangent(contact, TANGENT_TOLERANCE)
+    def tangent(self, points: WorkingSet) -> tuple[float, NDArray[np.floating]]:
+        """Stiffness −dp̄/dū at frozen contact, and ∂p/∂p̄ on the points."""
+        relaxation = self._relaxation(double=points.p.dtype == np.float64)
+        compliance, rate, _ = relaxation.tangent(points, TANGENT_TOLERANCE)
         return 1.0 / compliance, rate
 
-    def corrected_area(self, contact: WorkingSet) -> float:
-        """A/A0 = (points in contact − 0.11811 · grid edges around them) / all points.
+    def area(self, points: WorkingSet) -> tuple[float, float]:
+        """A/A0 corrected for the perimeter, and points in contact / all points.
 
-        Half of the grid points next to an edge count as contact too many; the factor
-        (π − 1 + ln 2)/24 turns the number of grid edges into that excess (Yastrebov,
-        Anciaux and Molinari, 2017). A line has no such bias and is not corrected.
+        Too many of the grid points next to the edge of the contact count as contact; the
+        excess is (π − 1 + ln 2)/24 of the grid edges around it (Yastrebov, Anciaux and
+        Molinari, 2017). A line has no such bias and is not corrected.
         """
-        n_rows, n_columns = self.heights.shape
-        parts = self.team.run(
-            loops.boundary_edges,
-            self._even,
-            *(contact.rows, contact.columns, contact.p, n_columns, n_rows > 1),
-        )
-        n_contact = sum(part[0] for part in parts)
-        edges = sum(part[1] for part in parts) if n_rows > 1 else 0.0
-        return float(n_contact - PERIMETER_FACTOR * edges) / self.size
+        relaxation = self._relaxation(double=points.p.dtype == np.float64)
+        contact, edges = relaxation.count_edges(points)
+        if self.heights.shape[0] == 1:
+            edges = 0.0
+        return (contact - PERIMETER_FACTOR * edges) / self.size, contact / self.size
 
     def dense(self, solution: Solution) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Pressure and gap of a state as float64 fields, dimensionless."""
@@ -342,9 +337,8 @@ class Solver:
         shape = self.heights.shape
         pressure, gap = np.empty(shape), np.empty(shape)
         points = solution.points
-        self.team.run(
-            loops.scatter, self._even, points.rows, points.columns, points.p, pressure
-        )
+        blocks, _ = self.team.split(points.rows)
+        self.team.run(loops.scatter, blocks, *points.layout, points.p, pressure)
         self.team.run(
             loops.dense_gap, self._even, self.exact.field, *self._h, solution.alpha, gap
         )

@@ -1,4 +1,4 @@
-"""The grid points that may carry pressure, and the vectors on them."""
+"""The tiles of the grid that may carry pressure, and the vectors on them."""
 
 from __future__ import annotations
 
@@ -8,52 +8,70 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+from roughbench.models.halfspace.loops import TILE
+
+
+def tile_height(shape: tuple[int, int]) -> int:
+    """Grid rows per tile: 8, or 1 for a line."""
+    return 1 if shape[0] == 1 else TILE
+
+
+def tile_grid(shape: tuple[int, int]) -> tuple[int, int]:
+    """Tiles along each axis; the last ones may reach beyond the grid."""
+    return -(-shape[0] // tile_height(shape)), -(-shape[1] // TILE)
+
 
 @dataclass(slots=True)
 class WorkingSet:
-    """Points row by row, with compressed vectors (layout: :mod:`.loops`).
+    """Tiles, and vectors on their points (layout: :mod:`.loops`).
 
     Attributes
     ----------
-    rows : ndarray of int64, shape (n_rows + 1,)
-        Points of row i are the entries rows[i] … rows[i + 1].
-    columns : ndarray of int32, shape (n,)
-        Column of each point, increasing within a row.
-    p, r : ndarray, shape (n,)
+    height : int
+        Grid rows per tile.
+    rows : ndarray of int64, shape (tile rows + 1,)
+        Tiles of tile row I are the entries rows[I] … rows[I + 1].
+    tiles : ndarray of int32, shape (t,)
+        Tile column of each tile, increasing within a tile row.
+    p, r : ndarray, shape (t · points per tile,)
         Pressure; gap above the plane of the last outer iteration.
-    d, z, s, y : ndarray, shape (n,)
-        Room for the relaxation: direction, preconditioned residual, step, its image.
+    d, s, y : ndarray, same shape
+        Room for the relaxation: direction, step, image of the step.
     """
 
+    height: int
     rows: NDArray[np.int64]
-    columns: NDArray[np.int32]
+    tiles: NDArray[np.int32]
     p: NDArray[Any]
     r: NDArray[Any]
     d: NDArray[Any]
-    z: NDArray[Any]
     s: NDArray[Any]
     y: NDArray[Any]
 
     @classmethod
-    def empty(cls, counts: NDArray[np.int64], dtype: DTypeLike) -> WorkingSet:
-        """Room for ``counts[i]`` points in row i; all entries unset."""
-        rows = np.zeros(counts.size + 1, np.int64)
-        np.cumsum(counts, out=rows[1:])
-        n = int(rows[-1])
-        vectors = (np.empty(n, dtype) for _ in range(6))
-        return cls(rows, np.empty(n, np.int32), *vectors)
+    def on(
+        cls, shape: tuple[int, int], chosen: NDArray[np.uint8], dtype: DTypeLike
+    ) -> WorkingSet:
+        """Tiles where ``chosen`` (shape of the tiles) is set; p and r unset, the rest zero."""
+        rows = np.zeros(chosen.shape[0] + 1, np.int64)
+        np.cumsum(np.count_nonzero(chosen, axis=1), out=rows[1:])
+        tiles = np.nonzero(chosen)[1].astype(np.int32)
+        n = tiles.size * tile_height(shape) * TILE
+        p, r = np.empty(n, dtype), np.empty(n, dtype)
+        d, s, y = (np.zeros(n, dtype) for _ in range(3))
+        return cls(tile_height(shape), rows, tiles, p, r, d, s, y)
 
     @property
-    def size(self) -> int:
-        """Number of points."""
-        return self.columns.size
+    def layout(self) -> tuple[int, NDArray[np.int64], NDArray[np.int32]]:
+        """What the loops that address tiles take first."""
+        return self.height, self.rows, self.tiles
 
-    def in_contact(self) -> WorkingSet:
-        """Return the points under pressure alone, with their ``p``."""
-        mask = self.p > 0
-        before = np.zeros(self.size + 1, np.int64)
-        np.cumsum(mask, out=before[1:])
-        points = WorkingSet.empty(np.diff(before[self.rows]), self.p.dtype)
-        points.columns[:] = self.columns[mask]
-        points.p[:] = self.p[mask]
-        return points
+    @property
+    def tile_size(self) -> int:
+        """Points per tile."""
+        return self.height * TILE
+
+    @property
+    def n_contact(self) -> int:
+        """Number of points under pressure."""
+        return int(np.count_nonzero(self.p))
