@@ -635,6 +635,13 @@ def gather_step(a, b, height, rows, tiles, one, field, p, r, s, y):
 
 
 @_loop
+def mark_contact(a, b, size, p, value, r):
+    """r = ``value`` where p > 0, ``NEVER`` elsewhere."""
+    for k in range(a * size, b * size):
+        r[k] = value if p[k] > 0 else NEVER
+
+
+@_loop
 def add(a, b, size, factor, values, total):
     """total += factor·values."""
     for tile in range(a, b):

@@ -81,9 +81,7 @@ class Relaxation:
         blocks, tiles = self.team.split(w.rows)
         self.cells.count[:] = 0
         self.cells.force[:] = 0
-        w.d[:] = 0
-        w.s[:] = 0
-        w.y[:] = 0
+        w.open_workspace()
         n_contact, sum_r = self.team.sum(
             loops.contact_sums, tiles, w.tile_size, self._one, w.p, w.r
         )
@@ -131,6 +129,7 @@ class Relaxation:
             previous_power = power
             iteration += 1
         self.team.run(loops.clear, blocks, *w.layout, self._scratch)
+        w.keep_pressure()
         return iteration, reached
 
     def _precondition(
@@ -246,18 +245,16 @@ class Relaxation:
         blocks, tiles = self.team.split(w.rows)
         self.cells.count[:] = 0
         self.cells.force[:] = 0
-        w.d[:] = 0
-        w.y[:] = 0
-        w.s[:] = 0
+        w.open_workspace()
         # Off the contact r is out of reach for α, so these points are never free.
-        w.r[:] = np.where(w.p > 0, number(1), number(loops.NEVER))
+        self.team.run(loops.mark_contact, tiles, w.tile_size, w.p, number(1), w.r)
         self._split_residual(w, blocks, 0.0, 0.0)
         self._precondition(w, blocks, 0.0)
         x = w.s.copy()
         x *= number(size / x.sum(dtype=np.float64))
         work, n_contact, _, sum_y = self._image(w, blocks, x)
         compliance = work / size
-        w.r[w.p > 0] = 0
+        self.team.run(loops.mark_contact, tiles, w.tile_size, w.p, number(0), w.r)
         alpha, length = sum_y / n_contact, 1.0
         previous = math.inf
         iteration = 1
@@ -287,6 +284,7 @@ class Relaxation:
             if gain <= tolerance * compliance:
                 break
         self.team.run(loops.clear, blocks, *w.layout, self._scratch)
+        w.keep_pressure()
         return compliance, x, iteration
 
     def _split_residual(

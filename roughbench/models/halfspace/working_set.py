@@ -36,7 +36,8 @@ class WorkingSet:
     p, r : ndarray, shape (t · points per tile,)
         Pressure; gap above the plane of the last outer iteration.
     d, s, y : ndarray, same shape
-        Room for the relaxation: direction, step, image of the step.
+        Workspace of the relaxation: direction, step, image of the step. Empty between
+        relaxations: at paper scale each vector is up to a gigabyte.
     """
 
     height: int
@@ -52,14 +53,29 @@ class WorkingSet:
     def on(
         cls, shape: tuple[int, int], chosen: NDArray[np.uint8], dtype: DTypeLike
     ) -> WorkingSet:
-        """Tiles where ``chosen`` (shape of the tiles) is set; p and r unset, the rest zero."""
+        """Tiles where ``chosen`` (shape of the tiles) is set; p and r unset, no workspace."""
         rows = np.zeros(chosen.shape[0] + 1, np.int64)
         np.cumsum(np.count_nonzero(chosen, axis=1), out=rows[1:])
         tiles = np.nonzero(chosen)[1].astype(np.int32)
         n = tiles.size * tile_height(shape) * TILE
         p, r = np.empty(n, dtype), np.empty(n, dtype)
-        d, s, y = (np.zeros(n, dtype) for _ in range(3))
-        return cls(tile_height(shape), rows, tiles, p, r, d, s, y)
+        none = np.empty(0, dtype)
+        return cls(tile_height(shape), rows, tiles, p, r, none, none, none)
+
+    def open_workspace(self) -> None:
+        """Set d, s and y to zero, and make room for them and r where there is none."""
+        if self.r.size != self.p.size:
+            self.r = np.empty_like(self.p)
+        self.d, self.s, self.y = (
+            np.zeros_like(self.p) if v.size != self.p.size else v
+            for v in (self.d, self.s, self.y)
+        )
+        for v in (self.d, self.s, self.y):
+            v.fill(0)
+
+    def keep_pressure(self) -> None:
+        """Free all vectors but p."""
+        self.r = self.d = self.s = self.y = np.empty(0, self.p.dtype)
 
     @property
     def layout(self) -> tuple[int, NDArray[np.int64], NDArray[np.int32]]:
