@@ -1,0 +1,97 @@
+"""The same bytes again: in this process, in fresh ones, and for the same threads."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+import pytest
+
+from roughbench.models.halfspace.contact import solve_contact, solve_curve
+
+if TYPE_CHECKING:
+    from tests.models.halfspace.conftest import Rough
+
+ROOT = Path(__file__).resolve().parents[3]
+CELL = 2 * np.pi
+PRESSURES = [2e-2, 1e-4, 1e-3, 0.3]
+
+PROGRAM = """\
+import hashlib, sys
+import numpy as np
+from roughbench.models.halfspace.contact import solve_contact, solve_curve
+heights = np.load(sys.argv[1])
+threads = int(sys.argv[2])
+curve = solve_curve(heights, [2e-2, 1e-4, 1e-3, 0.3], length=2 * np.pi, threads=threads)
+state = solve_contact(heights, 1e-2, length=2 * np.pi, threads=threads)
+parts = [curve.area, curve.separation, curve.stiffness, curve.energy, state.pressure, state.gap]
+print(hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest())
+"""
+
+
+def digest(heights: np.ndarray, threads: int) -> str:
+    """Return what PROGRAM prints."""
+    curve = solve_curve(heights, PRESSURES, length=CELL, threads=threads)
+    state = solve_contact(heights, 1e-2, length=CELL, threads=threads)
+    parts = [curve.area, curve.separation, curve.stiffness, curve.energy]
+    parts += [state.pressure, state.gap]
+    return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+def test_same_bytes_when_called_again(threads: int, rough: Rough) -> None:
+    heights = rough(96, per_wave=2.0)
+    first = digest(heights, threads)
+    solve_contact(rough(96, seed=9), 3e-3, length=CELL, threads=threads)  # other work between
+    assert digest(heights, threads) == first
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_same_bytes_in_fresh_processes(threads: int, rough: Rough, tmp_path: Path) -> None:
+    """Plans measured by the first process are kept for those after it."""
+    heights = rough(96, per_wave=2.0)
+    np.save(tmp_path / "heights.npy", heights)
+    environment = dict(os.environ, ROUGHBENCH_CACHE=str(tmp_path / "cache"))
+    environment["PYTHONPATH"] = str(ROOT)
+    printed = {
+        subprocess.run(
+            [sys.executable, "-c", PROGRAM, str(tmp_path / "heights.npy"), str(threads)],
+            check=True,
+            capture_output=True,
+            text=True,
+            env=environment,
+        ).stdout
+        for _ in range(3)
+    }
+    assert len(printed) == 1
+    assert len(printed.pop().strip()) == 64
+
+
+@pytest.mark.parametrize("precision", ["mixed", "double"])
+def test_threads_change_only_the_rounding(
+    precision: Literal["mixed", "double"], rough: Rough
+) -> None:
+    """More threads than rows as well."""
+    heights = rough(48)
+    states = [
+        solve_contact(
+            heights,
+            1e-2,
+            length=CELL,
+            threads=threads,
+            tolerance=1e-10,
+            precision=precision,
+        )
+        for threads in (1, 2, 7, 64)
+    ]
+    for other in states[1:]:
+        assert np.array_equal(other.pressure > 0, states[0].pressure > 0)
+        np.testing.assert_allclose(
+            other.pressure, states[0].pressure, rtol=0, atol=1e-8 * states[0].pressure.max()
+        )
+        assert other.mean_separation == pytest.approx(states[0].mean_separation, rel=1e-9)
