@@ -1,0 +1,176 @@
+"""Transforms against NumPy's, and the care taken of FFTW's plans."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from roughbench.transform import RealTransform, cache_folder
+
+SHAPES = [
+    *((1, n) for n in (2, 3, 4, 16, 17, 1000)),
+    *((2, 2), (2, 3), (3, 2), (8, 8), (7, 9), (9, 8), (16, 10), (30, 31), (64, 64)),
+]
+PRECISIONS = [(np.float64, 1e-14), (np.float32, 1e-6)]
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Keep these plans out of the user's cache."""
+    folder = tmp_path / "cache"
+    monkeypatch.setenv("ROUGHBENCH_CACHE", str(folder))
+    return folder
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+@pytest.mark.parametrize(("dtype", "error"), PRECISIONS)
+@pytest.mark.parametrize("shape", SHAPES, ids=str)
+def test_forward_and_backward_are_those_of_numpy(
+    shape: tuple[int, int], dtype: type, error: float, threads: int, rng: np.random.Generator
+) -> None:
+    transform = RealTransform(shape, dtype, threads)
+    values = rng.standard_normal(shape).astype(dtype)
+    transform.real[...] = values
+    np.testing.assert_array_equal(transform.real, values)
+    transform.forward()
+    expected = np.fft.rfft2(values.astype(np.float64))
+    size = float(np.abs(expected).max())
+    np.testing.assert_allclose(transform.spectral, expected, rtol=0, atol=error * size)
+    transform.backward()
+    np.testing.assert_allclose(
+        transform.real, values.size * values, rtol=0, atol=10 * error * values.size
+    )
+
+
+@pytest.mark.parametrize(("dtype", "_error"), PRECISIONS)
+def test_one_buffer_of_the_right_shapes(dtype: type, _error: float) -> None:
+    transform = RealTransform((6, 9), dtype)
+    assert transform.shape == transform.real.shape == (6, 9)
+    assert transform.spectral.shape == (6, 5)
+    assert transform.dtype == transform.real.dtype == dtype
+    assert transform.spectral.dtype == np.result_type(dtype, np.complex64)
+    assert np.shares_memory(transform.real, transform.spectral)
+    assert (transform.real == 0).all()  # measured plans leave nothing behind
+    assert (transform.spectral == 0).all()
+
+
+def test_two_transforms_share_nothing(rng: np.random.Generator) -> None:
+    one, other = RealTransform((8, 8), np.float64), RealTransform((8, 8), np.float64)
+    values = rng.standard_normal((8, 8))
+    one.real[...] = values
+    other.real[...] = 1.0
+    other.forward()
+    np.testing.assert_array_equal(one.real, values)
+
+
+def test_plans_are_kept(own_cache: Path) -> None:
+    RealTransform((12, 10), np.float64)
+    wisdom = own_cache / "fftw-wisdom.json"
+    parts = json.loads(wisdom.read_text())
+    assert len(parts) == 3  # double, single, long double
+    before = wisdom.stat().st_mtime_ns, wisdom.read_bytes()
+    RealTransform((12, 10), np.float64)
+    assert (wisdom.stat().st_mtime_ns, wisdom.read_bytes()) == before
+    RealTransform((11, 10), np.float32)
+    assert wisdom.read_bytes() != before[1]
+    assert [path.name for path in own_cache.glob("*.tmp")] == []
+
+
+TOO_FEW = pytest.mark.xfail(raises=IndexError, reason="parts are not counted", strict=True)
+
+
+@pytest.mark.parametrize(
+    "spoilt",
+    [
+        b"",
+        b"[",
+        b"[1, 2, 3]",
+        b'"text"',
+        b"\xff\xfe",
+        b"null",
+        b'["QUJD", "QUJD", "QUJD"]',  # three parts, none of them wisdom
+        pytest.param(b"{}", marks=TOO_FEW),
+        pytest.param(b'["%%%"]', marks=TOO_FEW),
+    ],
+)
+def test_spoilt_wisdom_is_measured_anew(
+    own_cache: Path, spoilt: bytes, rng: np.random.Generator
+) -> None:
+    own_cache.mkdir()
+    wisdom = own_cache / "fftw-wisdom.json"
+    wisdom.write_bytes(spoilt)
+    transform = RealTransform((10, 14), np.float64)
+    values = rng.standard_normal((10, 14))
+    transform.real[...] = values
+    transform.forward()
+    np.testing.assert_allclose(transform.spectral, np.fft.rfft2(values), rtol=0, atol=1e-13)
+    assert len(json.loads(wisdom.read_text())) == 3
+
+
+def test_without_a_writable_cache_plans_are_measured_all_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Not even root can make a folder in a file."""
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("ROUGHBENCH_CACHE", str(tmp_path / "file" / "cache"))
+    transform = RealTransform((6, 6), np.float64)
+    transform.real[...] = 2.0
+    transform.forward()
+    assert transform.spectral[0, 0] == 72.0
+
+
+def test_place_of_the_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    assert cache_folder() == tmp_path / "cache"
+    monkeypatch.setenv("ROUGHBENCH_CACHE", "")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "xdg"))
+    assert cache_folder() == tmp_path / "xdg" / "roughbench"
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    assert cache_folder() == tmp_path / "home" / ".cache" / "roughbench"
+
+
+PROGRAM = """\
+import hashlib, os, sys
+assert "pyfftw" not in sys.modules
+import numpy as np
+from roughbench.transform import RealTransform
+assert "pyfftw" not in sys.modules
+transform = RealTransform((120, 126), np.float64, threads=2)
+assert os.environ.get("OMP_WAIT_POLICY") == (sys.argv[1] or None)
+transform.real[...] = np.random.default_rng(0).standard_normal((120, 126))
+transform.forward()
+transform.backward()
+print(hashlib.sha256(transform.real.tobytes()).hexdigest())
+"""
+
+
+def run_program(wait_policy: str, environment: dict[str, str]) -> subprocess.Popen[str]:
+    if wait_policy:
+        environment["OMP_WAIT_POLICY"] = wait_policy
+    return subprocess.Popen(
+        [sys.executable, "-c", PROGRAM, wait_policy],
+        stdout=subprocess.PIPE,
+        text=True,
+        env=environment,
+    )
+
+
+def test_processes_that_start_together_use_the_same_plans() -> None:
+    """The first measures, the others wait for it and take what it kept.
+
+    Also: pyFFTW loads only where it is needed, and the caller's OMP_WAIT_POLICY stays as
+    it was, set or not.
+    """
+    environment = {k: v for k, v in os.environ.items() if k != "OMP_WAIT_POLICY"}
+    environment["PYTHONPATH"] = str(Path(__file__).resolve().parents[1])
+    running = [run_program(policy, dict(environment)) for policy in ("", "", "active")]
+    printed = [process.communicate()[0].strip() for process in running]
+    assert [process.returncode for process in running] == [0, 0, 0]
+    assert len(set(printed)) == 1
+    assert len(printed[0]) == 64
