@@ -8,7 +8,7 @@ It knows nothing of specs, files, progress bars or figures.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any, ClassVar
@@ -21,6 +21,10 @@ from roughbench.spectrum import Spectrum
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
+
+
+Solved = Callable[[], None]
+"""Called when one more pressure is done."""
 
 
 class Status(IntEnum):
@@ -126,5 +130,15 @@ class Model(BaseModel, ABC):
         raise NotImplementedError(f"{self.kind} uses no heights")
 
     @abstractmethod
-    def curve(self, sample: Sample, pressures: FloatArray, *, threads: int = 1) -> Curve:
-        """Return the curve at ``pressures`` (p/E*, any order), with E* = 1."""
+    def curve(
+        self,
+        sample: Sample,
+        pressures: FloatArray,
+        *,
+        threads: int = 1,
+        solved: Solved | None = None,
+    ) -> Curve:
+        """Return the curve at ``pressures`` (p/E*, any order), with E* = 1.
+
+        A model that takes its time over each pressure calls ``solved`` after it.
+        """

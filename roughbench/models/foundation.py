@@ -44,7 +44,7 @@ from pydantic import Field
 
 from roughbench.errors import SolverError
 from roughbench.models._checks import checked_length, checked_pressures
-from roughbench.models.base import Curve, FloatArray, Model, Sample, Status
+from roughbench.models.base import Curve, FloatArray, Model, Sample, Solved, Status
 from roughbench.spectrum import Spectrum
 from roughbench.surface import Undersampled, check_grid
 
@@ -256,9 +256,16 @@ class Foundation(Model):
             )
         return self.springs
 
-    def curve(self, sample: Sample, pressures: FloatArray, *, threads: int = 1) -> Curve:
+    def curve(
+        self,
+        sample: Sample,
+        pressures: FloatArray,
+        *,
+        threads: int = 1,
+        solved: Solved | None = None,
+    ) -> Curve:
         """Return the exact curve of one line; a single thread is all it takes."""
-        del threads
+        del threads, solved
         if sample.heights is None:
             raise SolverError("the foundation needs the heights of a line")
         return foundation_curve(sample.heights, pressures, sample.length, self.ends)

@@ -42,7 +42,7 @@ from pydantic import Field
 from roughbench.errors import SolverError, SurfaceError
 from roughbench.models._checks import checked_length, checked_pressures
 from roughbench.models._persson_quadrature import Quadrature, make_quadrature
-from roughbench.models.base import Curve, FloatArray, Model, Sample, Status
+from roughbench.models.base import Curve, FloatArray, Model, Sample, Solved, Status
 from roughbench.spectrum import Spectrum
 
 FiniteSize = Literal["none", "max", "blend"]
@@ -322,9 +322,16 @@ class Persson(Model):
         "depends on the spectrum.",
     )
 
-    def curve(self, sample: Sample, pressures: FloatArray, *, threads: int = 1) -> Curve:
+    def curve(
+        self,
+        sample: Sample,
+        pressures: FloatArray,
+        *,
+        threads: int = 1,
+        solved: Solved | None = None,
+    ) -> Curve:
         """Return the curve of the sample's spectrum; heights are not looked at."""
-        del threads
+        del threads, solved
         if sample.spectrum is None:
             raise SurfaceError(
                 "Persson's theory needs a spectrum; measured_spectrum gives that of heights"

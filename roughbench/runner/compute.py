@@ -16,7 +16,7 @@ Block = dict[str, Array]
 """Variables by name; first axis: the realizations of one task."""
 
 
-def compute(task: Task, threads: int, finished: Callable[[int], None] | None = None) -> Block:
+def compute(task: Task, threads: int, solved: Callable[[int], None] | None = None) -> Block:
     """Return the curves of a task's realizations, one row each.
 
     Parameters
@@ -24,8 +24,9 @@ def compute(task: Task, threads: int, finished: Callable[[int], None] | None = N
     task : Task
     threads : int
         Threads that the model may use.
-    finished : callable, optional
-        Called with the index of each realization when its curve is done.
+    solved : callable, optional
+        Called with the number of states that are done, of the whole task, whenever there
+        are more: after each pressure of the exact solver, else after each realization.
 
     Returns
     -------
@@ -40,10 +41,18 @@ def compute(task: Task, threads: int, finished: Callable[[int], None] | None = N
     """
     cell, rows = task.cell, []
     pressures = cell.pressure_array()
+    done = 0
+
+    def one_more() -> None:
+        nonlocal done
+        done += 1
+        if solved is not None:
+            solved(done)
+
     for realization in task.realizations:
         try:
             sample = make_sample(cell.surface, cell.model, cell.seed, realization)
-            curve = cell.model.curve(sample, pressures, threads=threads)
+            curve = cell.model.curve(sample, pressures, threads=threads, solved=one_more)
         except RoughbenchError as error:
             here = Task(cell, range(realization, realization + 1))
             raise SolverError(f"{here}: {error}") from error
@@ -51,8 +60,10 @@ def compute(task: Task, threads: int, finished: Callable[[int], None] | None = N
         height, slope = rms_of(sample)
         row["rms_height"], row["rms_slope"] = np.array(height), np.array(slope)
         rows.append(row)
-        if finished is not None:
-            finished(realization)
+        if done < len(rows) * pressures.size:
+            done = len(rows) * pressures.size
+            if solved is not None:
+                solved(done)
     return {name: np.stack([row[name] for row in rows]) for name in rows[0]}
 
 

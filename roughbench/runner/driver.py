@@ -10,7 +10,7 @@ from roughbench.publish import check_writable
 from roughbench.results import ModelResult, Results
 from roughbench.runner.assemble import assemble
 from roughbench.runner.plan import Cell, Task, check, plan, tasks_of
-from roughbench.runner.pool import Finished, compute_all
+from roughbench.runner.pool import Advanced, compute_all
 from roughbench.runner.progress import Progress, Report
 from roughbench.spec import Source, load_spec
 from roughbench.store import write_results
@@ -82,7 +82,7 @@ def run(
         tasks,
         jobs=jobs,
         threads=threads or max(1, available_cores() // jobs),
-        finished=_counter(cells, progress),
+        advanced=_counter(cells, progress),
     )
     experiments: dict[str, dict[str, ModelResult]] = {}
     for cell in cells:
@@ -94,24 +94,26 @@ def run(
     return results
 
 
-def _counter(cells: Sequence[Cell], progress: Report | None) -> Finished:
-    """Return a callable that adds up finished tasks and tells ``progress``."""
+def _counter(cells: Sequence[Cell], progress: Report | None) -> Advanced:
+    """Return a callable that adds up finished states and tells ``progress``."""
     total = sum(cell.n_states for cell in cells)
     all_work = sum(cell.n_realizations * cell.work for cell in cells)
     done, work = 0, 0.0
+    done_of: dict[Task, int] = {}
     if progress is not None:
         progress(Progress(done, total, 0.0, "starting"))
 
-    def finished(task: Task) -> None:
+    def advanced(task: Task, done_here: int) -> None:
         nonlocal done, work
-        n_realizations = len(task.realizations)
-        done += n_realizations * len(task.cell.pressures)
-        work += n_realizations * task.cell.work
+        n_states = done_here - done_of.get(task, 0)
+        done_of[task] = done_here
+        done += n_states
+        work += n_states * task.cell.work / len(task.cell.pressures)
         share = 1.0 if done == total else work / all_work
         if progress is not None:
-            progress(Progress(done, total, share, str(task)))
+            progress(Progress(done, total, share, task.place(done_here)))
 
-    return finished
+    return advanced
 
 
 def available_cores() -> int:

@@ -74,6 +74,15 @@ class Task:
     cell: Cell
     realizations: range
 
+    def place(self, done: int) -> str:
+        """Say where a computation stands that has done so many states of this task."""
+        realization, pressure = divmod(done - 1, len(self.cell.pressures))
+        here = self.realizations[realization]
+        text = str(Task(self.cell, range(here, here + 1)))
+        if pressure + 1 < len(self.cell.pressures):
+            text += f", pressure {pressure + 1} of {len(self.cell.pressures)}"
+        return text
+
     def __str__(self) -> str:
         first, last = self.realizations[0] + 1, self.realizations[-1] + 1
         if self.cell.n_realizations == 1:

@@ -8,25 +8,29 @@ watches a pipe that only this process holds open.
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import os
 import signal
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
+from typing import Any
 
 from roughbench.errors import RoughbenchError
 from roughbench.runner.compute import Block, compute
 from roughbench.runner.plan import Task
 
-Finished = Callable[[Task], None]
-"""Called with the task, or the part of it, that has just been computed."""
+Advanced = Callable[[Task, int], None]
+"""Called with a task and how many of its states are done, whenever there are more."""
+
+SECONDS_BETWEEN_LOOKS = 0.2
 
 
 def compute_all(
-    tasks: Sequence[Task], *, jobs: int, threads: int, finished: Finished
+    tasks: Sequence[Task], *, jobs: int, threads: int, advanced: Advanced
 ) -> list[Block]:
     """Return the blocks of all tasks, in their order.
 
@@ -37,9 +41,8 @@ def compute_all(
         Tasks at once; 1 computes in this process.
     threads : int
         Threads of each task.
-    finished : callable
-        Told in this process what has been computed; in-process after each realization,
-        else after each task.
+    advanced : callable
+        Told in this process what has been computed.
 
     Returns
     -------
@@ -53,29 +56,39 @@ def compute_all(
         If a worker process dies.
     """
     if jobs == 1:
-        return [_compute_here(task, threads, finished) for task in tasks]
-    return _compute_in_workers(tasks, jobs, threads, finished)
+        return [_compute_here(task, threads, advanced) for task in tasks]
+    return _compute_in_workers(tasks, jobs, threads, advanced)
 
 
-def _compute_here(task: Task, threads: int, finished: Finished) -> Block:
-    def report(realization: int) -> None:
-        finished(Task(task.cell, range(realization, realization + 1)))
-
-    return compute(task, threads, report)
+def _compute_here(task: Task, threads: int, advanced: Advanced) -> Block:
+    return compute(task, threads, lambda done: advanced(task, done))
 
 
 def _compute_in_workers(
-    tasks: Sequence[Task], jobs: int, threads: int, finished: Finished
+    tasks: Sequence[Task], jobs: int, threads: int, advanced: Advanced
 ) -> list[Block]:
     blocks: dict[int, Block] = {}
-    with _workers(jobs) as pool:
+    known = [0] * len(tasks)
+    with _workers(jobs, len(tasks)) as (pool, done):
+
+        def look() -> None:
+            for index, count in enumerate(done):
+                if count > known[index]:
+                    advanced(tasks[index], count)
+                    known[index] = count
+
         with _interrupts_held_back():
-            futures = {pool.submit(compute, task, threads): i for i, task in enumerate(tasks)}
+            futures = {
+                pool.submit(_compute_in_worker, i, task, threads): i
+                for i, task in enumerate(tasks)
+            }
+        pending = set(futures)
         try:
-            for future in as_completed(futures):
-                index = futures[future]
-                blocks[index] = future.result()
-                finished(tasks[index])
+            while pending:
+                ended, pending = wait(pending, SECONDS_BETWEEN_LOOKS, FIRST_COMPLETED)
+                for future in ended:
+                    blocks[futures[future]] = future.result()
+                look()
         except BrokenProcessPool as error:
             raise RoughbenchError(
                 "a worker process died (out of memory, or killed); take fewer jobs (-j) or "
@@ -86,13 +99,22 @@ def _compute_in_workers(
 
 
 @contextlib.contextmanager
-def _workers(jobs: int) -> Iterator[ProcessPoolExecutor]:
-    """Start a pool; leaving it with an exception ends the workers at once."""
+def _workers(
+    jobs: int, n_tasks: int
+) -> Iterator[tuple[ProcessPoolExecutor, ctypes.Array[Any]]]:
+    """Start a pool; leaving it with an exception ends the workers at once.
+
+    Yields the pool, and the number of states done of each task. The worker of a task alone
+    writes its number, without a lock that it could take to its grave.
+    """
     context = get_context("spawn")
     watched, alive = context.Pipe(duplex=False)
-    pool = ProcessPoolExecutor(jobs, context, initializer=_enter_worker, initargs=(watched,))
+    done: ctypes.Array[Any] = context.RawArray("q", n_tasks)
+    pool = ProcessPoolExecutor(
+        jobs, context, initializer=_enter_worker, initargs=(watched, done)
+    )
     try:
-        yield pool
+        yield pool, done
         pool.shutdown()
     finally:
         alive.close()
@@ -100,9 +122,23 @@ def _workers(jobs: int) -> Iterator[ProcessPoolExecutor]:
         watched.close()
 
 
-def _enter_worker(watched: Connection) -> None:
+def _enter_worker(watched: Connection, done: ctypes.Array[Any]) -> None:
+    global _done
+    _done = done
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, args=(watched,), daemon=True).start()
+
+
+_done: ctypes.Array[Any] | None = None
+"""In a worker: the number of states done of each task."""
+
+
+def _compute_in_worker(index: int, task: Task, threads: int) -> Block:
+    def solved(done: int) -> None:
+        if _done is not None:
+            _done[index] = done
+
+    return compute(task, threads, solved)
 
 
 def _end_with_parent(watched: Connection) -> None:

@@ -12,7 +12,7 @@ from typing import ClassVar, Literal
 from pydantic import Field
 
 from roughbench.errors import SolverError
-from roughbench.models.base import Curve, FloatArray, Model, Sample
+from roughbench.models.base import Curve, FloatArray, Model, Sample, Solved
 from roughbench.spectrum import Spectrum
 from roughbench.surface import check_grid, highest_mode
 
@@ -50,7 +50,14 @@ class HalfSpace(Model):
         check_grid(self.grid, spectrum, length)
         return self.grid
 
-    def curve(self, sample: Sample, pressures: FloatArray, *, threads: int = 1) -> Curve:
+    def curve(
+        self,
+        sample: Sample,
+        pressures: FloatArray,
+        *,
+        threads: int = 1,
+        solved: Solved | None = None,
+    ) -> Curve:
         """Solve the states at ``pressures`` on the heights of the sample."""
         # Numba and FFTW load only where they are needed.
         from roughbench.models.halfspace.contact import solve_curve
@@ -64,4 +71,5 @@ class HalfSpace(Model):
             tolerance=self.tolerance,
             precision=self.precision,
             threads=threads,
+            solved=solved,
         )

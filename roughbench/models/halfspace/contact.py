@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roughbench.errors import SolverError
-from roughbench.models.base import Curve, FloatArray, Status
+from roughbench.models.base import Curve, FloatArray, Solved, Status
 from roughbench.models.halfspace.solver import Certificate, Solution, Solver
 from roughbench.models.halfspace.working_set import WorkingSet
 
@@ -156,6 +156,7 @@ def solve_curve(
     precision: Precision = "mixed",
     threads: int | None = None,
     max_iterations: int = 3000,
+    solved: Solved | None = None,
 ) -> Curve:
     """Solve states at many pressures on the same heights, each started from its neighbour.
 
@@ -170,6 +171,8 @@ def solve_curve(
         Nominal pressures p > 0 in the unit of ``modulus``, in any order.
     length, modulus, tolerance, precision, threads, max_iterations
         As in :func:`solve_contact`.
+    solved : callable, optional
+        Called after each pressure.
 
     Returns
     -------
@@ -199,6 +202,8 @@ def solve_curve(
             for name, value in zip(names, (1.0, 1.0, 0.0, math.inf), strict=False):
                 values[name][i] = value
             values["energy"][i] = solver.full_energy * problem.energy_unit
+            if solved is not None:
+                solved()
             continue
         before = solver.pairs
         points = solver.cold_start(load) if start is None else solver.predict(*start, load)
@@ -217,6 +222,8 @@ def solve_curve(
             certificate.load_error,
         )
         work[i] = (solution.iterations, solver.pairs - before)
+        if solved is not None:
+            solved()
     return Curve(
         pressure=loads * problem.pressure_unit,
         status=status,
