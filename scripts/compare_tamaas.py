@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 from _machine import describe_machine
+from _peers import peer_python
 from numpy.typing import NDArray
 
 from roughbench.models.halfspace.contact import solve_contact
@@ -30,7 +31,6 @@ from roughbench.spectrum import self_affine
 from roughbench.surface import make_surface, realization_generator
 
 HERE = Path(__file__).resolve().parent
-ENVIRONMENT = HERE.parent / ".venv-peers"
 LENGTH = 2 * math.pi
 TAMAAS_TOLERANCE = 1e-12
 AREA_LIMIT, SEPARATION_LIMIT = 1e-4, 1e-6
@@ -42,19 +42,6 @@ SURFACES = {  # q_r/q0 and points on the shortest wave
     "q_r = 8 q0, 4 points on the shortest wave": (8.0, 4),
     "q_r = q0, q1 at the Nyquist wavevector": (1.0, 2),
 }
-
-
-def peer_python() -> Path:
-    """Return the Python of the peers' environment, made if it is not there."""
-    python = ENVIRONMENT / "bin" / "python"
-    stamp = ENVIRONMENT / "requirements.txt"
-    wanted = HERE / "peers" / "requirements.txt"
-    if not (stamp.exists() and stamp.read_text() == wanted.read_text()):
-        print(f"Making {ENVIRONMENT.name} for Tamaas", file=sys.stderr)
-        subprocess.run([sys.executable, "-m", "venv", "--clear", ENVIRONMENT], check=True)
-        subprocess.run([python, "-m", "pip", "install", "--quiet", "-r", wanted], check=True)
-        stamp.write_text(wanted.read_text())
-    return python
 
 
 def solve_with_tamaas(heights: NDArray[np.float64]) -> dict[str, Any]:
