@@ -11,7 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from roughbench.errors import SolverError
 from roughbench.models.base import Curve, FloatArray, Solved, Status
-from roughbench.models.halfspace.solver import Certificate, Solution, Solver
+from roughbench.models.halfspace import memory
+from roughbench.models.halfspace.solver import (
+    FLOAT32_FLOOR,
+    Certificate,
+    Solution,
+    Solver,
+)
 from roughbench.models.halfspace.working_set import WorkingSet
 
 Precision = Literal["mixed", "double"]
@@ -124,7 +130,8 @@ def solve_contact(
     Raises
     ------
     SolverError
-        If an argument is out of its range or the heights are not finite.
+        If an argument is out of its range, the heights are not finite, or the grid does
+        not fit into memory.
 
     Examples
     --------
@@ -184,7 +191,8 @@ def solve_curve(
     Raises
     ------
     SolverError
-        If an argument is out of its range or the heights are not finite.
+        If an argument is out of its range, the heights are not finite, or the grid does
+        not fit into memory.
     """
     problem = _Problem(heights, length, modulus, tolerance, precision, threads, max_iterations)
     loads = problem.loads(pressures)
@@ -281,6 +289,7 @@ class _Problem:
                 f"heights must be finite, got {h[place]} at index {tuple(map(int, place))}; "
                 "fill or crop missing points first"
             )
+        memory.check(h.shape, double=precision == "double" or tolerance < FLOAT32_FLOOR)
         self.shape = h.shape
         self.spacing = length / h.shape[0]
         self.modulus = modulus

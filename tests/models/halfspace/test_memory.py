@@ -1,0 +1,49 @@
+"""The exact solver refuses a grid that does not fit, and says what would."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import roughbench as rb
+from roughbench.models.halfspace import memory
+
+
+@pytest.fixture
+def meminfo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    path = tmp_path / "meminfo"
+    path.write_text("MemTotal: 900 kB\nMemAvailable:   1000 kB\n")
+    monkeypatch.setattr(memory, "_MEMINFO", path)
+    return path
+
+
+def test_a_grid_that_does_not_fit_is_refused_with_numbers(meminfo: Path) -> None:
+    assert memory.available() == 1000 * 1024
+    message = (
+        "the exact solver needs up to 0.0 GB for 40000 points, and 0.0 GB are available; "
+        "a grid of 152 × 152 points would fit"
+    )
+    with pytest.raises(rb.SolverError) as caught:
+        rb.solve_contact(np.zeros((200, 200)), 0.1)
+    assert str(caught.value) == message
+    assert rb.solve_contact(np.zeros((152, 152)), 0.1).area_fraction == 1.0
+
+
+def test_double_precision_needs_more_and_says_so(meminfo: Path) -> None:
+    memory.check((152, 152), double=False)
+    with pytest.raises(rb.SolverError, match="119 × 119 points would fit, and so may"):
+        memory.check((152, 152), double=True)
+
+
+def test_a_line_is_counted_in_points(meminfo: Path) -> None:
+    with pytest.raises(rb.SolverError, match="; 23272 points would fit"):
+        memory.check((30000,), double=False)
+
+
+@pytest.mark.parametrize("text", ["", "MemAvailable:\n", "MemAvailable: many kB\n"])
+def test_a_system_that_does_not_say_is_trusted(meminfo: Path, text: str) -> None:
+    meminfo.write_text(text)
+    assert memory.available() is None
+    memory.check((10**6, 10**6), double=True)
