@@ -19,7 +19,8 @@ def meminfo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return path
 
 
-def test_a_grid_that_does_not_fit_is_refused_with_numbers(meminfo: Path) -> None:
+@pytest.mark.usefixtures("meminfo")
+def test_a_grid_that_does_not_fit_is_refused_with_numbers() -> None:
     assert memory.available() == 1000 * 1024
     message = (
         "the exact solver needs up to 0.0 GB for 40000 points, and 0.0 GB are available; "
@@ -31,13 +32,15 @@ def test_a_grid_that_does_not_fit_is_refused_with_numbers(meminfo: Path) -> None
     assert rb.solve_contact(np.zeros((152, 152)), 0.1).area_fraction == 1.0
 
 
-def test_double_precision_needs_more_and_says_so(meminfo: Path) -> None:
+@pytest.mark.usefixtures("meminfo")
+def test_double_precision_needs_more_and_says_so() -> None:
     memory.check((152, 152), double=False)
     with pytest.raises(rb.SolverError, match="119 × 119 points would fit, and so may"):
         memory.check((152, 152), double=True)
 
 
-def test_a_line_is_counted_in_points(meminfo: Path) -> None:
+@pytest.mark.usefixtures("meminfo")
+def test_a_line_is_counted_in_points() -> None:
     with pytest.raises(rb.SolverError, match="; 23272 points would fit"):
         memory.check((30000,), double=False)
 
