@@ -58,7 +58,7 @@ paper-fig3 paper-fig4 paper-bem: setup
 
 paper-fig3: ## Fig. 3 at the paper's q1 = 8192 q0, without the exact solver
 paper-fig4: ## Fig. 4 at the paper's q1 = 8192 q0, without the exact solver
-paper-bem: ## the exact solver at q1 = 8192 q0: 20 GB of memory, hours (see the spec)
+paper-bem: ## the exact solver at q1 = 8192 q0: 14 GB of memory, hours (estimates)
 
 ## -- checking --------------------------------------------------------------------------
 
