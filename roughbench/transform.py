@@ -132,6 +132,9 @@ def _kept_wisdom(fftw: ModuleType) -> Iterator[None]:
 def _read_wisdom(path: Path) -> tuple[bytes, ...] | None:
     """Kept wisdom, or None where there is none that can be read."""
     try:
-        return tuple(base64.b64decode(part) for part in json.loads(path.read_text()))
+        double, single, extended = (
+            base64.b64decode(part) for part in json.loads(path.read_text())
+        )
     except (OSError, ValueError, TypeError):
         return None
+    return double, single, extended

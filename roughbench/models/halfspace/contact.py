@@ -233,7 +233,7 @@ def solve_curve(
         if solved is not None:
             solved()
     return Curve(
-        pressure=loads * problem.pressure_unit,
+        pressure=np.array(pressures, dtype=np.float64),
         status=status,
         diagnostics={
             "complementarity": certificates[:, 0],

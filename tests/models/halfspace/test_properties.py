@@ -225,7 +225,6 @@ def test_order_of_the_pressures_does_not_matter(
         assert first.tobytes() == second.tobytes(), name
 
 
-@pytest.mark.xfail(reason="they come back through the solver's own unit", strict=True)
 def test_pressures_come_back_as_they_were_given() -> None:
     """To the bit, so that curves of several surfaces share their axis."""
     rng = np.random.default_rng(1)
