@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from roughbench.models.halfspace.contact import solve_contact, solve_curve
+from roughbench.models.halfspace.working_set import WorkingSet
 
 if TYPE_CHECKING:
     from tests.models.halfspace.conftest import Rough
@@ -49,6 +50,24 @@ def test_same_bytes_when_called_again(threads: int, rough: Rough) -> None:
     first = digest(heights, threads)
     solve_contact(rough(96, seed=9), 3e-3, length=CELL, threads=threads)  # other work between
     assert digest(heights, threads) == first
+
+
+@pytest.mark.xfail(reason="vectors of few tiles lie next to each other", strict=True)
+def test_vectors_of_few_tiles_lie_apart() -> None:
+    """Compiled loops add up in another order where two vectors are a few words apart.
+
+    A loop that writes one vector while it sums over another checks, before it takes
+    vector instructions, whether the two are closer than one step of these; where the
+    allocator puts them must not change the sum.
+    """
+    for tiles in (1, 2, 5):
+        chosen = np.ones((1, tiles), np.uint8)
+        sets = [WorkingSet.on((1, 8 * tiles), chosen, np.float32) for _ in range(4)]
+        for points in sets:
+            points.open_workspace()
+            vectors = (points.p, points.r, points.d, points.s, points.y)
+            places = np.sort([vector.ctypes.data for vector in vectors])
+            assert np.diff(places).min() >= 512
 
 
 @pytest.mark.parametrize("threads", [1, 2])
