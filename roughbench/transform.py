@@ -50,6 +50,9 @@ def cache_folder() -> Path:
     return (Path(base) if base else Path.home() / ".cache") / "roughbench"
 
 
+_planned: set[tuple[tuple[int, int], str, int, Path]] = set()
+
+
 class RealTransform:
     """One buffer that holds a real field or, after :meth:`forward`, its transform.
 
@@ -82,11 +85,14 @@ class RealTransform:
         axes = (1,) if n == 1 else (0, 1)
         threads = 1 if n == 1 else threads
         options = {"axes": axes, "flags": ("FFTW_MEASURE",), "threads": threads}
-        with _kept_wisdom(fftw):
+        key = (shape, self.dtype.char, threads, cache_folder())
+        # FFTW remembers the plans of this process by itself.
+        with contextlib.nullcontext() if key in _planned else _kept_wisdom(fftw):
             self._forward = fftw.FFTW(self.real, self.spectral, **options)
             self._backward = fftw.FFTW(
                 self.spectral, self.real, direction="FFTW_BACKWARD", **options
             )
+        _planned.add(key)
         self.spectral[...] = 0.0
 
     def forward(self) -> None:

@@ -22,6 +22,9 @@ from roughbench.models.halfspace.working_set import WorkingSet
 
 Precision = Literal["mixed", "double"]
 
+SMALLEST_LOAD = 1e-20
+"""In E* h_rms/Δ. A single point of a grid carries its share of less; float32 does not."""
+
 
 class ContactState:
     """One solved state: fields, averages and the certificate of the returned pressure.
@@ -259,7 +262,10 @@ class _Problem:
         threads: int | None,
         max_iterations: int,
     ) -> None:
-        h = np.asarray(heights)
+        try:
+            h = np.asarray(heights)
+        except ValueError as error:
+            raise SolverError(f"heights must be a rectangular array: {error}") from error
         if h.dtype not in (np.float32, np.float64):
             try:
                 h = h.astype(np.float64, casting="same_kind" if h.dtype.kind == "f" else "safe")
@@ -300,6 +306,12 @@ class _Problem:
             threads=threads or len(os.sched_getaffinity(0)),
             max_iterations=max_iterations,
         )
+        rms = self.solver.rms
+        if not (rms == 0.0 or 1e-152 < rms < 1e152) or (rms == 0.0 and np.ptp(h) > 0):
+            raise SolverError(
+                f"heights with an rms value of {rms:g} are out of the range of float64; "
+                "choose another unit of length"
+            )
         # A flat wall has no scale of its own; its only state is full contact.
         rms = self.solver.rms or 1.0
         self.pressure_unit = modulus * rms / self.spacing
@@ -313,4 +325,11 @@ class _Problem:
         bad = ~((p > 0.0) & np.isfinite(p))
         if bad.any():
             raise SolverError(f"pressures must be positive and finite, got {p[bad][0]}")
-        return p / self.pressure_unit
+        loads = p / self.pressure_unit
+        low = p[loads < SMALLEST_LOAD]
+        if low.size:
+            raise SolverError(
+                f"pressures must be at least {SMALLEST_LOAD * self.pressure_unit:.1e} on "
+                f"these heights ({SMALLEST_LOAD:g} E* h_rms/Δ), got {low[0]}"
+            )
+        return loads

@@ -7,7 +7,10 @@ loops run over 8 adjacent numbers and need no index. Where the grid ends inside 
 the points beyond it have p = 0 and r = ``NEVER``.
 
 A point is *free* if p > 0 or ρ = r − α < 0. ``field`` is a dense (n, m) array;
-``scratch`` is one with a halo XX
+``scratch`` is one with a halo of one point, zero off the free points. ``one`` is 1 in the
+working precision: sums over a tile are taken in that precision, sums over tiles in
+float64. Values are computed for every point and then selected, which compiles to vector
+instructions where a branch would not.
 
 Every loop works on tile rows, or tiles, or grid rows ``a`` to ``b``, releases the
 interpreter lock and returns its sums, so that :class:`Team` can run several blocks at
@@ -385,7 +388,8 @@ def advance(a, b, height, rows, tiles, one, t_p, t_r, alpha, p, r, s, y, count, 
     size = height * TILE
     zero = one - one
     total = 0.0
-    lowest = np.zeros(size, p.dtype)  # one minimum per place in a tile: no reduction
+    # One minimum per place in a tile: no reduction. Its room keeps it apart from p … y.
+    lowest = np.zeros(max(size, 256), p.dtype)
     for tile_row in range(a, b):
         i0 = tile_row * height
         rows_here = min(height, n - i0)

@@ -16,6 +16,10 @@ from roughbench.models.halfspace.working_set import WorkingSet
 PENETRATION_SLACK = 10.0
 """Penetration allowed at convergence, in units of the tolerance."""
 
+PATIENCE, PATIENCE_LINE = 40, 400
+"""Iterations without progress that end a relaxation. Lines of 2^17 points and more, with
+q1 at the Nyquist wavevector, pause for longer than surfaces ever do."""
+
 FIRST_STEP = 0.2
 """τ of the first trial step. The preconditioner makes 1 the scale of τ, but far from the
 solution steps bend early: a first trial of 1 was always repeated."""
@@ -45,6 +49,7 @@ class Relaxation:
         self._weights = stiffness_stencil(shape, dtype)
         self._scratch = np.zeros((shape[0] + 2, shape[1] + 2), dtype)
         self._one = self.dtype.type(1)
+        self._patience = PATIENCE_LINE if shape[0] == 1 else PATIENCE
         self._step_guess = FIRST_STEP
 
     def minimise(
@@ -118,7 +123,7 @@ class Relaxation:
                 best, since_best = error, 0
             else:
                 since_best += 1
-            if reached or iteration >= max_iterations or since_best > 40:
+            if reached or iteration >= max_iterations or since_best > self._patience:
                 break
             # 2. direction
             n_free, sum_z, sum_rho, sum_y, sum_d, z_rho, z_y = self._precondition(

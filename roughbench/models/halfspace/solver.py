@@ -152,7 +152,7 @@ class Solver:
         """σ_fc = S h, a field that the next transform overwrites; its minimum and ½⟨h σ_fc⟩."""
         field = self.exact.field
         heights, scale, mean = self._h
-        np.subtract(heights, mean, out=field)
+        np.subtract(heights, mean, out=field, dtype=np.float64)
         field *= scale
         self.exact.traction()
         parts = self.team.run(loops.traction_at_full_contact, self._even, field, *self._h)
@@ -323,7 +323,8 @@ class Solver:
 
         Too many of the grid points next to the edge of the contact count as contact; the
         excess is (π − 1 + ln 2)/24 of the grid edges around it (Yastrebov, Anciaux and
-        Molinari, 2017). A line has no such bias and is not corrected.
+        Molinari, 2017). The factor is that of edges in all directions on a surface; lines
+        are not corrected.
         """
         relaxation = self._relaxation(double=points.p.dtype == np.float64)
         contact, edges = relaxation.count_edges(points)

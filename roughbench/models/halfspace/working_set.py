@@ -21,6 +21,15 @@ def tile_grid(shape: tuple[int, int]) -> tuple[int, int]:
     return -(-shape[0] // tile_height(shape)), -(-shape[1] // TILE)
 
 
+def _vector(n: int, dtype: DTypeLike) -> NDArray[Any]:
+    """Room for n numbers, apart from other vectors in memory.
+
+    Where two short vectors lie side by side, compiled loops cannot rule out that they
+    overlap and add up in another order: the last bit would depend on the allocator.
+    """
+    return np.empty(max(n, 256), dtype)[:n]
+
+
 @dataclass(slots=True)
 class WorkingSet:
     """Tiles, and vectors on their points (layout: :mod:`.loops`).
@@ -58,16 +67,16 @@ class WorkingSet:
         np.cumsum(np.count_nonzero(chosen, axis=1), out=rows[1:])
         tiles = np.nonzero(chosen)[1].astype(np.int32)
         n = tiles.size * tile_height(shape) * TILE
-        p, r = np.empty(n, dtype), np.empty(n, dtype)
+        p, r = _vector(n, dtype), _vector(n, dtype)
         none = np.empty(0, dtype)
         return cls(tile_height(shape), rows, tiles, p, r, none, none, none)
 
     def open_workspace(self) -> None:
         """Set d, s and y to zero, and make room for them and r where there is none."""
         if self.r.size != self.p.size:
-            self.r = np.empty_like(self.p)
+            self.r = _vector(self.p.size, self.p.dtype)
         self.d, self.s, self.y = (
-            np.zeros_like(self.p) if v.size != self.p.size else v
+            _vector(self.p.size, self.p.dtype) if v.size != self.p.size else v
             for v in (self.d, self.s, self.y)
         )
         for v in (self.d, self.s, self.y):

@@ -52,7 +52,6 @@ def test_same_bytes_when_called_again(threads: int, rough: Rough) -> None:
     assert digest(heights, threads) == first
 
 
-@pytest.mark.xfail(reason="vectors of few tiles lie next to each other", strict=True)
 def test_vectors_of_few_tiles_lie_apart() -> None:
     """Compiled loops add up in another order where two vectors are a few words apart.
 
