@@ -13,10 +13,11 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
+from queue import Empty, SimpleQueue
 from typing import Any
 
 from roughbench.errors import RoughbenchError
@@ -82,11 +83,15 @@ def _compute_in_workers(
                 pool.submit(_compute_in_worker, i, task, threads): i
                 for i, task in enumerate(tasks)
             }
-        pending = set(futures)
+            ended: SimpleQueue[Future[Block]] = SimpleQueue()
+            for future in futures:
+                future.add_done_callback(ended.put)
         try:
-            while pending:
-                ended, pending = wait(pending, SECONDS_BETWEEN_LOOKS, FIRST_COMPLETED)
-                for future in ended:
+            while len(blocks) < len(tasks):
+                # Not concurrent.futures.wait: an interrupt while it takes the locks of
+                # all futures leaves them locked, and the pool would never shut down.
+                with contextlib.suppress(Empty):
+                    future = ended.get(timeout=SECONDS_BETWEEN_LOOKS)
                     blocks[futures[future]] = future.result()
                 look()
         except BrokenProcessPool as error:
