@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,15 +94,21 @@ class Model(BaseModel, ABC):
     """Options of one contender, and how it computes a curve.
 
     Subclasses declare ``kind: Literal["…"]``, their options as pydantic fields with
-    descriptions, and the class variables below.
+    descriptions, and ``dimension`` and ``title``: as class variables, or as properties
+    where they depend on an option.
     """
 
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
 
-    dimension: ClassVar[int]
-    """0: spectrum only, 1: heights of a line, 2: heights of a surface."""
-    title: ClassVar[str]
-    """Name in legends and tables."""
+    @property
+    @abstractmethod
+    def dimension(self) -> int:
+        """0: spectrum only, 1: heights of a line, 2: heights of a surface."""
+
+    @property
+    @abstractmethod
+    def title(self) -> str:
+        """Name in legends and tables."""
 
     kind: str
     label: str | None = Field(
@@ -118,6 +124,10 @@ class Model(BaseModel, ABC):
     def name(self) -> str:
         """Label of the model in the results."""
         return self.label or self.kind
+
+    def idle(self) -> Mapping[str, str]:
+        """Options that change nothing beside the others, each with what to do about it."""
+        return {}
 
     def grid_points(self, spectrum: Spectrum, length: float) -> int:
         """Points per side of the heights that this model needs.

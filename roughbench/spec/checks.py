@@ -15,7 +15,7 @@ from roughbench.spec.surfaces import FileSurface, SelfAffineSurface
 from roughbench.spec.tree import Finding, KeyPath, lookup
 
 # Options that choose a grid for generated heights; heights from a file have one.
-_GRID_OPTIONS = ("grid", "springs", "undersampled")
+_GRID_OPTIONS = ("grid", "points", "springs", "undersampled")
 
 _MOST_WAVES = 1e9
 """Waves per side past which no grid is worth naming."""
@@ -70,15 +70,9 @@ def _deterministic(models: Numbered) -> Iterator[Finding]:
 
 def _without_effect(models: Numbered) -> Iterator[Finding]:
     for number, model in models:
-        if not isinstance(model, Persson):
-            continue
-        for option, needs in (("theta", ("max", "blend")), ("m", ("blend",))):
-            if option in model.model_fields_set and model.finite_size not in needs:
-                yield Finding(
-                    ("models", number, option),
-                    f"has no effect with finite_size: {model.finite_size}; remove it, or "
-                    f"choose {' or '.join(needs)}",
-                )
+        for option, message in model.idle().items():
+            if option in model.model_fields_set:
+                yield Finding(("models", number, option), message)
 
 
 def _grids(surface: SelfAffineSurface, models: Numbered) -> Iterator[Finding]:
