@@ -112,7 +112,9 @@ def describe(surface: Surface, model: Model) -> dict[str, Attribute]:
     if model.dimension:
         attributes["grid_points"] = n_points
         options |= {
-            name: n_points for name in ("grid", "springs") if name in type(model).model_fields
+            name: n_points
+            for name in ("grid", "points", "springs")
+            if name in type(model).model_fields
         }
     return attributes | {name: _plain(value) for name, value in options.items()}
 

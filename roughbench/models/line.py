@@ -1,0 +1,126 @@
+r"""The exact solution in one dimension: a rough line on an elastic half-plane.
+
+The line has the spectrum :math:`C_{1D} = \pi q C_{2D}` of the foundation's
+(:mod:`.foundation`), but the elasticity of a half-plane, :math:`u(q) = 2p(q)/(E^*|q|)`
+(the mean excepted), as the surface has in two dimensions. So it is the foundation with
+the one thing that it lacks, long-range coupling, and tells what the *dimension* alone
+changes.
+
+Persson's theory knows the roughness by :math:`\xi(q)` and by the integrals
+:math:`\int q^2C_{2D}\,(\dots)\,dq` only, and the mapping keeps both: all its formulas are
+the same for the line. At low pressure the two part, because the contacts do. A single
+contact of width 2a in the period L has, whatever its shape, the stiffness of a flat punch,
+
+.. math:: K = \frac{\pi E^*}{2L\,\ln[1/\sin(\pi a/L)]},
+
+which falls logarithmically with the load where that of a surface, :math:`2E^*a/L^2`,
+follows the power :math:`p^{1/(1+H)}`.
+
+Source: H. M. Westergaard (1939) for the periodic half-plane; the solver is that of
+:mod:`.halfspace`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydantic import Field
+
+from roughbench.errors import SolverError
+from roughbench.models._checks import checked_length
+from roughbench.models._grids import chosen_grid
+from roughbench.models.base import Curve, FloatArray, Model, Sample, Solved
+from roughbench.spectrum import Spectrum
+
+_PER_WAVE = 16
+
+
+def single_contact_stiffness(width: ArrayLike, length: float) -> FloatArray:
+    r"""Return K/E* = π/(2L ln[1/sin(πa/L)]) of one contact of width 2a per period L.
+
+    Parameters
+    ----------
+    width : array_like of float64
+        2a, 0 < 2a ≤ L, length.
+    length : float
+        Period L, length.
+
+    Returns
+    -------
+    ndarray of float64
+        1/length; inf at full contact.
+
+    Raises
+    ------
+    SolverError
+        If a width is outside its range.
+
+    Examples
+    --------
+    >>> single_contact_stiffness([0.5, 1.0], length=1.0).round(6).tolist()
+    [4.53236, inf]
+    """
+    period = checked_length(length)
+    share = np.asarray(width, float) / period
+    if not ((share > 0.0) & (share <= 1.0)).all():
+        raise SolverError("the width of a contact must lie between 0 and the period")
+    with np.errstate(divide="ignore"):
+        return np.asarray(
+            math.pi / (2.0 * period * np.abs(np.log(np.sin(math.pi * share / 2.0))))
+        )
+
+
+class Line(Model):
+    """Exact solution for a rough line on an elastic half-plane."""
+
+    dimension: ClassVar[int] = 1
+    title: ClassVar[str] = "Exact line (1D half-plane)"
+
+    kind: Literal["line"] = "line"
+    points: int | None = Field(
+        default=None,
+        ge=2,
+        description="Points on the line; default: 16 on the shortest wavelength. The area "
+        "is counted in points, and too large by a fifth of one at each edge of a contact.",
+    )
+    tolerance: float = Field(
+        default=1e-6,
+        gt=0.0,
+        le=1e-2,
+        description="Largest Σ|p g| / (Σp h_rms) of a converged state.",
+    )
+    precision: Literal["mixed", "double"] = Field(
+        default="mixed",
+        description="Iterate in float32 and certify in float64, or float64 throughout.",
+    )
+
+    def grid_points(self, spectrum: Spectrum, length: float) -> int:
+        """Points on the line: the option, or sixteen per shortest wavelength."""
+        return chosen_grid(self.points, spectrum, length, _PER_WAVE)
+
+    def curve(
+        self,
+        sample: Sample,
+        pressures: FloatArray,
+        *,
+        threads: int = 1,
+        solved: Solved | None = None,
+    ) -> Curve:
+        """Solve the states at ``pressures`` on the line of the sample."""
+        # Numba and FFTW load only where they are needed.
+        from roughbench.models.halfspace.contact import solve_curve
+
+        if sample.heights is None or sample.heights.ndim != 1:
+            raise SolverError("the half-plane needs the heights of a line, shape (n,)")
+        return solve_curve(
+            sample.heights,
+            pressures,
+            length=sample.length,
+            tolerance=self.tolerance,
+            precision=self.precision,
+            threads=threads,
+            solved=solved,
+        )
