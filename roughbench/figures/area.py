@@ -36,7 +36,7 @@ def draw(results: Results) -> Figure:
     if len(handles) <= MOST_INSIDE:
         axes.legend(handles=handles, loc="lower right")
     else:
-        legend_above(figure, handles)
+        legend_above(figure, handles, room=0.6)
     footnote(figure, unconverged_remarks(results))
     return figure
 

@@ -78,12 +78,19 @@ def letter(axes: Axes, number: int, text: str = "") -> None:
     axes.set_title(f"({chr(ord('a') + number % 26)})  {text}".rstrip(), loc="left", pad=3)
 
 
-def legend_above(figure: Figure, handles: list[Artist]) -> None:
-    """Put the legend above the panels, in as many columns as fit."""
+def legend_above(figure: Figure, handles: list[Artist], room: float = 0.9) -> None:
+    """Put the legend above the panels, in as many columns as fit.
+
+    The figure grows by what a legend is taller than ``room``, in inches, so that many
+    contenders do not press the panels flat.
+    """
     for columns in (4, 3, 2, 1):
         legend = figure.legend(handles=handles, loc="outside upper center", ncols=columns)
         rows = -(-len(handles) // columns)
-        if columns == 1 or (rows > 1 and legend.get_window_extent().width < figure.bbox.width):
+        size = legend.get_window_extent()
+        if columns == 1 or (rows > 1 and size.width < figure.bbox.width):
+            taller = size.height / figure.dpi - room
+            figure.set_figheight(figure.get_figheight() + max(taller, 0.0))
             return
         legend.remove()
 

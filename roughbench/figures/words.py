@@ -92,17 +92,25 @@ def model_names(
 
 def _counts(models: Sequence[ModelResult]) -> list[str]:
     """Return the number of realizations; a theory of the spectrum alone has none."""
-    if models[0].kind == "persson":
+    if all(_is_theory(model) for model in models):
         return []
     counts = sorted({model.n_realizations for model in models})
     span = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]}–{counts[-1]}"
     return [f"$n = {span}$" if len(counts) == 1 else f"$n$ = {span}"]
 
 
+def _is_theory(model: ModelResult) -> bool:
+    """Return whether the model looked at no heights, but at the spectrum alone."""
+    has_heights = "grid_points" in model.attributes or model.attributes["surface"] == "file"
+    return model.kind == "persson" or not (has_heights or model.n_realizations > 1)
+
+
 def _parameters(model: ModelResult, quantity: Quantity) -> list[str]:
     remarks = []
     if "gamma" in model.attributes:
         remarks.append(rf"$\gamma = {model.attributes['gamma']:g}$")
+    if quantity == "area" and "area_gamma" in model.attributes:
+        remarks = [rf"$\gamma_A = {model.attributes['area_gamma']:g}$"]
     if quantity == "stiffness" and model.attributes.get("finite_size", "none") != "none":
         remarks.append("finite size")
     return remarks

@@ -25,6 +25,11 @@ TITLES = {
     "foundation": "Popov (1D foundation)",
     "persson": "Persson",
     "winkler": "Winkler",
+    "line": "Line",
+    "gw": "GW",
+    "gw_elliptic": "Elliptic",
+    "bgt": "BGT",
+    "hertz_top": "Top",
 }
 PRESSURE = np.array([1e-4, 1e-3, 1e-2, 1e-1])
 

@@ -6,14 +6,17 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from roughbench.figures.curves import curve_of, full_contact_pressure
 from roughbench.figures.looks import experiment_colours, looks
 from roughbench.figures.words import experiment_label, height_label, model_names
+from roughbench.models import MODELS
 from roughbench.results import ModelResult, Results
 
 Make = Callable[..., ModelResult]
 Collect = Callable[..., Results]
+Draw = Callable[[Results, str], Figure]
 
 
 def test_a_curve_is_the_mean_with_its_standard_error(make: Make) -> None:
@@ -84,6 +87,44 @@ def test_models_of_one_kind_and_new_kinds_are_told_apart(make: Make, collect: Co
     names = model_names(collect(*models), ["main"], "area")
     assert names["bem"] == "Exact (BEM), $n = 3$"
     assert names["fine"] == "Exact (BEM), fine, $n = 3$"
+
+
+def test_all_contenders_and_their_variants_are_told_apart(make: Make, collect: Collect) -> None:
+    models = [make(kind, label=f"{kind}{i}") for kind in MODELS for i in range(2)]
+    chosen = looks(collect(*models))
+    assert len({(look.marker, look.dashes) for look in chosen.values()}) == len(models)
+    one_of_each = {chosen[f"{kind}0"].colour for kind in MODELS}
+    assert len(one_of_each) == len(MODELS)
+
+
+def test_a_theory_has_no_number_of_realizations(make: Make, collect: Collect) -> None:
+    theory = make("winkler", n=1, label="theory")
+    counted = make("winkler", n=1, label="one", grid_points=64)
+    measured = make("winkler", n=1, label="measured", surface="file")
+    names = model_names(collect(theory, counted, measured), ["main"], "area")
+    assert names["theory"] == "Winkler, theory"
+    assert names["one"] == "Winkler, one, $n = 1$"
+    assert names["measured"] == "Winkler, measured, $n = 1$"
+
+
+def test_the_area_names_its_own_gamma(make: Make, collect: Collect) -> None:
+    results = collect(make("persson", n=1, gamma=0.45, area_gamma=0.5))
+    assert model_names(results, ["main"], "area")["persson"] == r"Persson, $\gamma_A = 0.5$"
+    stiffness = model_names(results, ["main"], "stiffness")["persson"]
+    assert stiffness == r"Persson, $\gamma = 0.45$"
+
+
+@pytest.mark.parametrize("name", ["area", "separation", "stiffness", "fig3"])
+def test_many_contenders_leave_the_panels_their_height(
+    make: Make, collect: Collect, draw: Draw, name: str
+) -> None:
+    few = collect(*(make(kind) for kind in ("bem", "foundation", "persson")))
+    many = collect(*(make(kind, label=f"{kind}{i}") for kind in MODELS for i in range(2)))
+    heights = [
+        figure.axes[0].get_position().height * figure.get_figheight()
+        for figure in (draw(few, name), draw(many, name))
+    ]
+    assert heights[1] > 0.6 * heights[0]
 
 
 def test_names_tell_parameters_and_numbers(make: Make, collect: Collect) -> None:
