@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import Any
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +23,15 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
 
 
-Solved = Callable[[], None]
-"""Called when one more pressure is done."""
+Snapshot = Callable[[], Mapping[str, NDArray[Any]]]
+"""Returns the arrays that :meth:`Model.resume` continues a curve from."""
+
+
+class Solved(Protocol):
+    """Called when one more pressure is done."""
+
+    def __call__(self, snapshot: Snapshot | None = None, /) -> None:
+        """Note it; ``snapshot``, from a model that can resume, is called at once or never."""
 
 
 class Status(IntEnum):
@@ -110,6 +117,10 @@ class Model(BaseModel, ABC):
     def title(self) -> str:
         """Name in legends and tables."""
 
+    iterative: ClassVar[bool] = True
+    """Whether it iterates each state to a tolerance. Threads may change its last bits then,
+    and states that are there are kept when other pressures are asked for."""
+
     kind: str
     label: str | None = Field(
         default=None,
@@ -152,3 +163,24 @@ class Model(BaseModel, ABC):
 
         A model that takes its time over each pressure calls ``solved`` after it.
         """
+
+    def resume(
+        self,
+        sample: Sample,
+        pressures: FloatArray,
+        finished: Mapping[str, NDArray[Any]],
+        *,
+        threads: int = 1,
+        solved: Solved | None = None,
+    ) -> Curve:
+        """Continue a curve whose process was killed, to the bits it would have had.
+
+        Parameters
+        ----------
+        finished : mapping of str to ndarray
+            What a snapshot of the same curve returned; ``solved`` is called for the
+            pressures after it only.
+        sample, pressures, threads, solved
+            As in :meth:`curve`.
+        """
+        raise NotImplementedError(f"{self.kind} hands out no snapshots")

@@ -107,7 +107,7 @@ class BushGibsonThomas(Model):
 
     dimension: ClassVar[int] = 0
     title: ClassVar[str] = "Bush–Gibson–Thomas line"
-    threaded: ClassVar[bool] = False
+    iterative: ClassVar[bool] = False
 
     kind: Literal["bgt"] = "bgt"
 

@@ -215,6 +215,7 @@ class Foundation(Model):
 
     dimension: ClassVar[int] = 1
     title: ClassVar[str] = "Popov (1D foundation)"
+    iterative: ClassVar[bool] = False
 
     kind: Literal["foundation"] = "foundation"
     springs: int = Field(

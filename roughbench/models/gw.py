@@ -173,7 +173,7 @@ def counted_gw_curve(heights: ArrayLike, pressures: ArrayLike, length: float) ->
 class AsperityModel(Model):
     """What the models of independent summits share: where they take the summits from."""
 
-    threaded: ClassVar[bool] = False
+    iterative: ClassVar[bool] = False
 
     summits: SummitSource = Field(
         default="nayak",

@@ -306,7 +306,7 @@ def _checked_reach(reach: float) -> float:
 class HertzTop(Model):
     """One Hertz contact at the highest asperity."""
 
-    threaded: ClassVar[bool] = False
+    iterative: ClassVar[bool] = False
 
     kind: Literal["hertz_top"] = "hertz_top"
     radius: Literal["heights", "spectrum"] = Field(

@@ -275,7 +275,7 @@ def _checked_modulus(modulus: float) -> float:
 class Winkler(Model):
     """Independent springs under every point of the surface, without elastic coupling."""
 
-    threaded: ClassVar[bool] = False
+    iterative: ClassVar[bool] = False
 
     kind: Literal["winkler"] = "winkler"
     heights: Literal["realized", "gaussian"] = Field(
