@@ -3,17 +3,42 @@
 from __future__ import annotations
 
 import contextlib
+import glob
 import itertools
 import os
+from collections.abc import Callable
 from pathlib import Path
+from typing import IO
 
 from roughbench.errors import StoreError
 
 _counter = itertools.count()
 
 
+def publish(write: Callable[[IO[bytes]], object], path: Path) -> None:
+    """Make what ``write`` writes the file ``path``, in one step that survives a power cut.
+
+    Raises
+    ------
+    OSError
+        If the system refuses; what stood under ``path`` before is still there.
+    """
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.{next(_counter)}.tmp")
+    try:
+        with temporary.open("xb") as file:
+            write(file)
+            file.flush()
+            os.fsync(file.fileno())
+        temporary.replace(path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            temporary.unlink()
+        raise
+    _sync_folder(path.parent)
+
+
 def commit(data: bytes, path: str | os.PathLike[str]) -> Path:
-    """Publish ``data`` as the file ``path``, in one step that survives a power cut.
+    """Publish ``data`` as the file ``path``, see :func:`publish`.
 
     Raises
     ------
@@ -22,25 +47,24 @@ def commit(data: bytes, path: str | os.PathLike[str]) -> Path:
         under ``path`` before is still there.
     """
     target = Path(path)
-    temporary = target.with_name(f".{target.name}.{os.getpid()}.{next(_counter)}.tmp")
     try:
-        try:
-            with temporary.open("xb") as file:
-                file.write(data)
-                file.flush()
-                os.fsync(file.fileno())
-            temporary.replace(target)
-        except BaseException:
-            with contextlib.suppress(OSError):
-                temporary.unlink()
-            raise
-        _sync_folder(target.parent)
+        publish(lambda file: file.write(data), target)
     except OSError as error:
         raise StoreError(
             f"cannot write {target}: {error.strerror or error}; "
             "choose another place with -o, or make room and permission there"
         ) from error
     return target
+
+
+def remove_leftovers(path: Path) -> None:
+    """Remove what a killed process left of a file that it was about to publish.
+
+    Only for whom no other process can be publishing the same file.
+    """
+    with contextlib.suppress(OSError):
+        for leftover in path.parent.glob(f".{glob.escape(path.name)}.*.tmp"):
+            leftover.unlink()
 
 
 def check_writable(path: str | os.PathLike[str]) -> None:

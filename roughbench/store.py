@@ -5,13 +5,14 @@ either the old file or the whole new one, whatever happens in between. The bytes
 on the results alone: no times, no names of machines.
 
 ``/<experiment>/<label>`` holds one model's arrays with dimension scales ``realization``
-and ``pressure``; the root holds ``format``, ``format_version``, ``name``, ``spec`` and
-``spec_sha256``.
+and ``pressure``; the root holds ``format``, ``format_version``, ``name``, ``spec``,
+``spec_sha256`` and ``content_sha256``, a checksum of all of it.
 """
 
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import itertools
 import os
 from collections.abc import Iterator
@@ -61,7 +62,7 @@ def write_results(results: Results, path: str | os.PathLike[str]) -> Path:
     StoreError
         If the file cannot be written.
     """
-    return commit(_image(results), path)
+    return commit(image(results), path)
 
 
 def load(path: str | os.PathLike[str]) -> Results:
@@ -99,7 +100,7 @@ def load(path: str | os.PathLike[str]) -> Results:
 # -- writing -----------------------------------------------------------------------------
 
 
-def _image(results: Results) -> bytes:
+def image(results: Results) -> bytes:
     """Return the bytes of the results file, built without touching the disk."""
     with _file_in_memory() as file:
         file.attrs["format"] = FORMAT
@@ -107,13 +108,38 @@ def _image(results: Results) -> bytes:
         file.attrs["name"] = results.name
         file.attrs["spec"] = results.spec_text
         file.attrs["spec_sha256"] = results.spec_sha256
+        file.attrs["content_sha256"] = checksum(results)
         for experiment, models in results.experiments.items():
             parent = _create_group(file, experiment)
             for label, result in models.items():
                 _write_model(_create_group(parent, label), result)
         file.flush()
-        image: bytes = file.id.get_file_image()
-    return image
+        data: bytes = file.id.get_file_image()
+    return data
+
+
+def checksum(results: Results) -> str:
+    """Return the SHA-256 of everything that :func:`load` returns for a results file.
+
+    HDF5 checks the arrays on its own, but not the names and the attributes.
+    """
+    digest = hashlib.sha256()
+
+    def add(*parts: object) -> None:
+        for part in parts:
+            data = part if isinstance(part, bytes) else repr(part).encode()
+            digest.update(b"%d:" % len(data))
+            digest.update(data)
+
+    add(results.name, results.spec_text, results.spec_sha256, [*results.experiments])
+    for experiment, result in results.models():
+        add(experiment, result.label, result.kind, result.title)
+        for name, attribute in sorted(result.attributes.items()):
+            add(name, attribute)
+        for name, values in sorted(result.variables.items()):
+            little = values.astype(values.dtype.newbyteorder("<"), copy=False)
+            add(name, little.dtype.str, values.shape, little.tobytes())
+    return digest.hexdigest()
 
 
 @contextlib.contextmanager
@@ -201,12 +227,15 @@ def _read_root(file: h5py.File, source: Path) -> Results:
         }
         for experiment, models in _members(file, h5py.Group, source)
     }
-    return Results(
+    results = Results(
         experiments=experiments,
         spec_text=str(file.attrs["spec"]),
         spec_sha256=str(file.attrs["spec_sha256"]),
         name=str(file.attrs["name"]),
     )
+    if checksum(results) != file.attrs["content_sha256"]:
+        raise ValueError("its content does not match its checksum")
+    return results
 
 
 def _members(

@@ -136,6 +136,7 @@ def test_layout_is_the_published_one(path: Path) -> None:
             "name": "sample",
             "spec": "name: größe\n",
             "spec_sha256": "0" * 64,
+            "content_sha256": store.checksum(results()),
         }
         group = file["qr=8/zz"]
         assert group.attrs["kind"] == "bem"
