@@ -22,6 +22,14 @@ class StoreError(RoughbenchError):
     """A results file that cannot be written, or read as one."""
 
 
+class LockedError(RoughbenchError):
+    """A run directory that another run works in."""
+
+
+class IncompleteError(RoughbenchError):
+    """A run that ended before its end; what it finished is kept, and it can be resumed."""
+
+
 @dataclass(frozen=True, slots=True)
 class Fault:
     """One fault of a spec: where it stands and what to do about it.

@@ -46,6 +46,7 @@ OWNERS = {
     "pydantic_core": {"spec"},
     "pyfftw": {"transform"},
     "scipy": {"models"},
+    "threadpoolctl": {"runner"},
     "tqdm": {"cli"},
     "yaml": {"spec"},
 }

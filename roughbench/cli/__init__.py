@@ -1,26 +1,58 @@
 """The command ``roughbench``: one thin file per command, imported when it is called.
 
-Exit codes: 0 done, 1 failed, 2 usage or invalid spec, 130 interrupted. What a program
-may read (results, JSON, paths of written files) goes to stdout, all else to stderr.
+Exit codes: 0 done, 1 failed, 2 usage or invalid spec, 3 incomplete but resumable, 75
+another run has the lock, 130 interrupted. What a program may read (results, JSON, paths of
+written files) goes to stdout, all else to stderr.
 """
 
 from __future__ import annotations
 
 import importlib
+import shlex
+import sys
 import traceback
+from collections.abc import Sequence
 from typing import Any
 
 import click
 
-from roughbench.cli.interrupts import interrupts_get_through
+from roughbench.cli.interrupts import Terminated, interrupts_get_through
 from roughbench.cli.options import DEBUG
-from roughbench.errors import RoughbenchError, SpecError, SurfaceError
+from roughbench.errors import (
+    IncompleteError,
+    LockedError,
+    RoughbenchError,
+    SpecError,
+    SurfaceError,
+)
 
-COMMANDS = ("run", "show", "plot", "export", "validate", "schema")
+COMMANDS = (
+    "run",
+    "status",
+    "verify",
+    "clean",
+    "show",
+    "plot",
+    "export",
+    "validate",
+    "schema",
+)
 
 EXIT_FAILED = 1
 EXIT_INVALID = 2
+EXIT_INCOMPLETE = 3
+EXIT_LOCKED = 75
 EXIT_INTERRUPTED = 130
+
+_CODES: tuple[tuple[type[BaseException], int], ...] = (
+    (SpecError, EXIT_INVALID),
+    (SurfaceError, EXIT_INVALID),
+    (IncompleteError, EXIT_INCOMPLETE),
+    (LockedError, EXIT_LOCKED),
+    (Terminated, EXIT_INCOMPLETE),
+    (KeyboardInterrupt, EXIT_INTERRUPTED),
+    (Exception, EXIT_FAILED),
+)
 
 
 class LazyGroup(click.Group):
@@ -46,18 +78,24 @@ class LazyGroup(click.Group):
                 return super().invoke(ctx)
         except (click.ClickException, click.Abort, click.exceptions.Exit, BrokenPipeError):
             raise  # click knows what to do with them
-        except KeyboardInterrupt:
-            click.echo("interrupted", err=True)
-            ctx.exit(EXIT_INTERRUPTED)
-        except Exception as error:  # noqa: BLE001, RUF100  (the last resort of a command)
+        except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001, RUF100  (the last resort)
             if ctx.meta.get(DEBUG):
                 click.echo("".join(traceback.format_exception(error)), err=True, nl=False)
-            click.echo(_message(error), err=True)
-            invalid = isinstance(error, SpecError | SurfaceError)
-            ctx.exit(EXIT_INVALID if invalid else EXIT_FAILED)
+            click.echo("\n".join([_message(error), *getattr(error, "__notes__", ())]), err=True)
+            ctx.exit(next(code for kind, code in _CODES if isinstance(error, kind)))
+
+    def main(self, args: Sequence[str] | None = None, *rest: Any, **options: Any) -> Any:
+        """Remember the command line, to say how a run is resumed."""
+        given = list(sys.argv[1:] if args is None else args)
+        options["obj"] = shlex.join(["roughbench", *given])
+        return super().main(given, *rest, **options)
 
 
-def _message(error: Exception) -> str:
+def _message(error: BaseException) -> str:
+    if isinstance(error, Terminated):
+        return "stopped by SIGTERM"
+    if isinstance(error, KeyboardInterrupt):
+        return "interrupted"
     if isinstance(error, SpecError):
         return str(error)  # "file:line:column: error: …", as compilers say it
     if isinstance(error, RoughbenchError):

@@ -8,35 +8,54 @@ it: the callbacks and destructors of Numba's compiler print "Exception ignored" 
 from __future__ import annotations
 
 import contextlib
+import math
 import signal
 import threading
+import time
 from collections.abc import Iterator
 from types import FrameType
 
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)
 _PAUSE = 0.02
 """Seconds until the next try."""
+_ANSWER = 3.0
+"""Seconds that the answer to a signal may take undisturbed."""
 
 
 class Interrupted(KeyboardInterrupt):
     """Ctrl-C; of KeyboardInterrupt itself Python may die by the signal, without our code."""
 
 
+class Terminated(Interrupted):
+    """SIGTERM, as batch systems and shutdowns send it."""
+
+
 @contextlib.contextmanager
 def interrupts_get_through() -> Iterator[None]:
-    """Raise :class:`Interrupted` on SIGINT, as soon as it would not be lost."""
+    """Raise :class:`Interrupted` on SIGINT and :class:`Terminated` on SIGTERM.
+
+    As soon as it would not be lost. A second signal within three seconds changes nothing:
+    the first is being answered.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield  # signals are the main thread's business
         return
 
-    def handle(_signal: int, frame: FrameType | None) -> None:
+    pending: type[Interrupted] | None = None
+    raised = -math.inf
+
+    def handle(number: int, frame: FrameType | None) -> None:
+        nonlocal pending, raised
+        pending = pending or (Terminated if number == signal.SIGTERM else Interrupted)
+        if time.monotonic() - raised < _ANSWER:
+            return
         if _loses_exceptions(frame):
             signal.setitimer(signal.ITIMER_REAL, _PAUSE)
         else:
-            raise Interrupted
+            raised = time.monotonic()
+            raise pending
 
-    before = {
-        number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGALRM)
-    }
+    before = {number: signal.signal(number, handle) for number in _SIGNALS}
     try:
         yield
     finally:

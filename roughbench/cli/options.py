@@ -24,6 +24,7 @@ debug_option = click.option(
 )
 
 results_argument = click.argument("results", type=click.Path(path_type=Path))
+run_argument = click.argument("path", type=click.Path(path_type=Path), metavar="RESULTS")
 
 
 def example(*lines: str) -> str:

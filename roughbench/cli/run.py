@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     epilog=example(
         "roughbench run configs/quick.yaml",
         "roughbench run spec.yaml -j 2 -o h08.h5 --set surface.H=0.8",
+        "roughbench run spec.yaml -n",
     ),
 )
 @click.argument("spec", type=click.Path(path_type=Path))
@@ -31,13 +32,23 @@ if TYPE_CHECKING:
     help="Results file; default NAME.h5 in the current folder. Replaced if it exists.",
 )
 @click.option(
-    "-j", "--jobs", type=click.IntRange(min=1), default=1, help="Tasks at once; default 1."
+    "-j",
+    "--jobs",
+    type=click.IntRange(min=1),
+    help="Tasks at once; default: as many as cores and memory allow.",
 )
 @click.option(
     "--threads",
     type=click.IntRange(min=1),
-    help="FFT and loop threads of each task; default: cores / jobs. At equal threads the "
-    "results file is the same to the byte for every number of jobs.",
+    help="FFT and loop threads of each task; default: cores / jobs, or without -j, all cores "
+    "for large grids and one for small ones. At equal threads the results file is the same "
+    "to the byte for every number of jobs.",
+)
+@click.option(
+    "--max-memory",
+    metavar="SIZE",
+    help="Memory that all tasks together may take by estimate, as 12G; default: 80 % of what "
+    "is available.",
 )
 @click.option(
     "--set",
@@ -46,36 +57,72 @@ if TYPE_CHECKING:
     metavar="KEY=VALUE",
     help="Change one value of the spec, as surface.H=0.8 or models.bem.grid=256; repeatable.",
 )
+@click.option("-n", "--dry-run", is_flag=True, help="Only say what would be computed, and why.")
+@click.option("-f", "--force", is_flag=True, help="Compute everything again.")
+@click.option(
+    "-k", "--keep-going", is_flag=True, help="After a task that fails, finish all others first."
+)
+@click.option(
+    "--only",
+    multiple=True,
+    metavar="TASK",
+    help="Compute only this: main/bem, or main/bem:4, its fourth realization; repeatable.",
+)
+@click.option(
+    "--log-file",
+    type=click.Path(path_type=Path),
+    help="A second log, as RESULTS.rbrun/run.log.",
+)
 @click.option("-q", "--quiet", is_flag=True, help="Only errors and warnings on stderr.")
-@click.option("-v", "--verbose", is_flag=True, help="A line for everything that is computed.")
+@click.option(
+    "-v", "--verbose", is_flag=True, help="Show the log on stderr: a line for every task."
+)
 @debug_option
+@click.pass_obj
 def command(
+    line: str | None,
+    /,
     spec: Path,
     output: Path | None,
-    jobs: int,
-    threads: int | None,
-    overrides: tuple[str, ...],
+    dry_run: bool,  # noqa: FBT001
     quiet: bool,  # noqa: FBT001
     verbose: bool,  # noqa: FBT001
+    **options: Any,
 ) -> None:
-    """Compute what SPEC asks for.
+    """Compute what SPEC asks for, and is not there already.
 
-    Writes the results file and prints its path. States that do not converge are left out of the
-    averages, counted in the file and reported here.
+    Writes the results file and prints its path. Finished tasks are kept in its run directory,
+    RESULTS.rbrun; after an interruption, a crash or a change of the spec the same command
+    computes what is missing. States that do not converge are left out of the averages,
+    counted in the file and reported here.
     """
-    from roughbench.runner import run
+    from roughbench.runner import preview, run
     from roughbench.spec import load_spec
 
     start = time.monotonic()
-    loaded = load_spec(spec, overrides)
+    loaded = load_spec(spec, options.pop("overrides"))
     target = output or Path(f"{loaded.name}.h5")
+    if dry_run:
+        for name in ("keep_going", "log_file"):
+            options.pop(name)
+        parts = preview(loaded, output=target, **options)
+        for part in parts:
+            click.echo(part)
+        click.echo(_total([part.tasks for part in parts], sum(part.seconds for part in parts)))
+        return
     with progress_shown(quiet=quiet, verbose=verbose) as progress:
-        results = run(loaded, output=target, jobs=jobs, threads=threads, progress=progress)
-    for line in _unconverged(results):
-        click.echo(line, err=True)
+        results = run(loaded, output=target, progress=progress, command=line or "", **options)
+    for text in _unconverged(results):
+        click.echo(text, err=True)
     if not quiet:
         click.echo(_summary(results, target, time.monotonic() - start), err=True)
     click.echo(target)
+
+
+def _total(tasks: list[int], seconds: float) -> str:
+    if not sum(tasks):
+        return "nothing to compute"
+    return f"{sum(tasks)} tasks to compute, about {duration(seconds)} of one core"
 
 
 def _unconverged(results: Results) -> list[str]:
@@ -88,15 +135,22 @@ def _unconverged(results: Results) -> list[str]:
 
 
 def _summary(results: Results, target: Path, elapsed: float) -> str:
-    counts = [
-        f"  {experiment}/{result.label}: {result.n_realizations} × {len(result['pressure'])}"
-        for experiment, result in results.models()
-    ]
+    from roughbench.runner import spent_on
+
+    spent = spent_on(target)
+    lines = []
+    for experiment, result in results.models():
+        name = f"{experiment}/{result.label}"
+        line = f"  {name}: {result.n_realizations} × {len(result['pressure'])}"
+        if name in spent:
+            seconds, memory = spent[name]
+            line += f", {duration(seconds)} of tasks, {memory / 1e9:.2f} GB at most"
+        lines.append(line)
     path = shlex.quote(str(target))
     return "\n".join(
         [
             f"done in {duration(elapsed)}; realizations × pressures:",
-            *counts,
+            *lines,
             f"show it: roughbench show {path}",
             f"draw it: roughbench plot {path}",
         ]

@@ -7,9 +7,29 @@ jobs, to the last bit.
 
 from __future__ import annotations
 
-from roughbench.runner.driver import available_cores, run
+from roughbench.runner.driver import preview, run
+from roughbench.runner.folder import folder_of
+from roughbench.runner.inspection import State, clean, spent_on, status, verify
+from roughbench.runner.overview import Part
 from roughbench.runner.plan import check, plan
 from roughbench.runner.progress import Progress, Report
+from roughbench.runner.resources import available_cores
 from roughbench.runner.samples import make_sample
 
-__all__ = ["Progress", "Report", "available_cores", "check", "make_sample", "plan", "run"]
+__all__ = [
+    "Part",
+    "Progress",
+    "Report",
+    "State",
+    "available_cores",
+    "check",
+    "clean",
+    "folder_of",
+    "make_sample",
+    "plan",
+    "preview",
+    "run",
+    "spent_on",
+    "status",
+    "verify",
+]

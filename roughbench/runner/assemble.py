@@ -1,8 +1,6 @@
-"""Blocks of realizations → the variables of one group of the results."""
+"""The states of a cell → the variables of one group of the results."""
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 import numpy as np
 
@@ -14,14 +12,14 @@ from roughbench.runner.plan import Cell
 from roughbench.runner.samples import describe
 
 
-def assemble(cell: Cell, blocks: Sequence[Block]) -> ModelResult:
-    """Join the blocks of a cell, in the order of the realizations, and summarize them.
+def assemble(cell: Cell, block: Block) -> ModelResult:
+    """Summarize the states of a cell, in the order of the realizations.
 
     Parameters
     ----------
     cell : Cell
-    blocks : sequence of dict
-        Of the cell's tasks, in their order.
+    block : dict of str to ndarray
+        All of its states.
 
     Returns
     -------
@@ -29,9 +27,7 @@ def assemble(cell: Cell, blocks: Sequence[Block]) -> ModelResult:
         Summaries leave out the states that did not converge; ``n_converged`` counts
         those that did.
     """
-    variables: dict[str, Array] = {"pressure": cell.pressure_array()}
-    for name in blocks[0]:
-        variables[name] = np.concatenate([block[name] for block in blocks])
+    variables: dict[str, Array] = {"pressure": cell.pressure_array(), **block}
     converged = variables["status"] == Status.CONVERGED
     variables["n_converged"] = converged.sum(axis=0, dtype=np.int64)
     for name in AVERAGED:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from roughbench.errors import RoughbenchError, SolverError
-from roughbench.models.base import Curve, Status
+from roughbench.models.base import Curve, Snapshot, Status
 from roughbench.results import AVERAGED, Array
+from roughbench.runner.checkpoint import Checkpoint
 from roughbench.runner.plan import Task
 from roughbench.runner.samples import make_sample, rms_of
 
@@ -16,17 +18,22 @@ Block = dict[str, Array]
 """Variables by name; first axis: the realizations of one task."""
 
 
-def compute(task: Task, threads: int, solved: Callable[[int], None] | None = None) -> Block:
+def compute(
+    task: Task,
+    solved: Callable[[int], None] | None = None,
+    checkpoint: Checkpoint | None = None,
+) -> Block:
     """Return the curves of a task's realizations, one row each.
 
     Parameters
     ----------
     task : Task
-    threads : int
-        Threads that the model may use.
     solved : callable, optional
         Called with the number of states that are done, of the whole task, whenever there
         are more: after each pressure of the exact solver, else after each realization.
+    checkpoint : Checkpoint, optional
+        Keeps the finished states of a long curve, and continues from those it has; for
+        tasks of one realization.
 
     Returns
     -------
@@ -40,30 +47,46 @@ def compute(task: Task, threads: int, solved: Callable[[int], None] | None = Non
         If the model refuses; names the realization.
     """
     cell, rows = task.cell, []
-    pressures = cell.pressure_array()
+    pressures = task.pressure_array()
     done = 0
 
-    def one_more() -> None:
+    def one_more(snapshot: Snapshot | None = None, /) -> None:
         nonlocal done
         done += 1
+        if checkpoint is not None and snapshot is not None and done < task.n_states:
+            checkpoint.offer(done, snapshot)
         if solved is not None:
             solved(done)
 
-    for realization in task.realizations:
-        try:
-            sample = make_sample(cell.surface, cell.model, cell.seed, realization)
-            curve = cell.model.curve(sample, pressures, threads=threads, solved=one_more)
-        except RoughbenchError as error:
-            here = Task(cell, range(realization, realization + 1))
-            raise SolverError(f"{here}: {error}") from error
-        row = _row(curve, pressures.shape)
-        height, slope = rms_of(sample)
-        row["rms_height"], row["rms_slope"] = np.array(height), np.array(slope)
-        rows.append(row)
-        if done < len(rows) * pressures.size:
-            done = len(rows) * pressures.size
-            if solved is not None:
-                solved(done)
+    if checkpoint is not None and len(task.realizations) > 1:
+        raise ValueError("a checkpoint belongs to one realization")
+    # More threads of BLAS would change the last bits with the number of cores.
+    with threadpool_limits(1, "blas"):
+        for realization in task.realizations:
+            try:
+                sample = make_sample(
+                    cell.surface, cell.model, cell.seed, realization, task.heights
+                )
+                finished = checkpoint.load() if checkpoint is not None else None
+                if finished is None:
+                    curve = cell.model.curve(
+                        sample, pressures, threads=task.threads, solved=one_more
+                    )
+                else:
+                    done, arrays = finished
+                    curve = cell.model.resume(
+                        sample, pressures, arrays, threads=task.threads, solved=one_more
+                    )
+            except RoughbenchError as error:
+                raise SolverError(f"{task.only(realization)}: {error}") from error
+            row = _row(curve, pressures.shape)
+            height, slope = rms_of(sample)
+            row["rms_height"], row["rms_slope"] = np.array(height), np.array(slope)
+            rows.append(row)
+            if done < len(rows) * pressures.size:
+                done = len(rows) * pressures.size
+                if solved is not None:
+                    solved(done)
     return {name: np.stack([row[name] for row in rows]) for name in rows[0]}
 
 

@@ -1,40 +1,61 @@
-"""``run``: a spec in, results out, and a results file if one is wanted."""
+"""``run``: a spec in, results out; with an output, durable and resumable on the way."""
 
 from __future__ import annotations
 
+import contextlib
 import os
-from collections.abc import Sequence
+import shlex
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 
-from roughbench.errors import RoughbenchError
-from roughbench.publish import check_writable
+from roughbench.errors import IncompleteError, RoughbenchError, StoreError
+from roughbench.publish import check_writable, commit
 from roughbench.results import ModelResult, Results
 from roughbench.runner.assemble import assemble
-from roughbench.runner.plan import Cell, Task, check, plan, tasks_of
-from roughbench.runner.pool import Advanced, compute_all
+from roughbench.runner.checkpoint import Checkpoint
+from roughbench.runner.engine import Outcome
+from roughbench.runner.folder import RunFolder
+from roughbench.runner.journal import log, log_task, logged_to
+from roughbench.runner.local import compute_here, compute_in_workers
+from roughbench.runner.only import label_of, select
+from roughbench.runner.overview import Part, overview
+from roughbench.runner.plan import Cell, Task, check, plan
 from roughbench.runner.progress import Progress, Report
-from roughbench.spec import Source, load_spec
-from roughbench.store import write_results
+from roughbench.runner.provenance import provenance
+from roughbench.runner.resources import Sharing, check_memory, sharing
+from roughbench.runner.survey import Stock, survey
+from roughbench.spec import Source, Spec, load_spec
+from roughbench.store import image
 
 
 def run(
     spec: Source,
     *,
     output: str | os.PathLike[str] | None = None,
-    jobs: int = 1,
+    jobs: int | None = 1,
     threads: int | None = None,
     overrides: Sequence[str] = (),
     progress: Report | None = None,
+    force: bool = False,
+    keep_going: bool = False,
+    only: Sequence[str] = (),
+    max_memory: int | str | None = None,
+    log_file: str | os.PathLike[str] | None = None,
+    command: str = "",
 ) -> Results:
-    """Compute everything that a spec asks for.
+    """Compute everything that a spec asks for, and is not there already.
 
     Parameters
     ----------
     spec : path, str, mapping or Spec
         What to compute; see :func:`roughbench.spec.load_spec`.
     output : path, optional
-        Results file to write; replaced in one step at the end, if it exists.
-    jobs : int
-        Tasks at once; more than 1 starts as many processes.
+        Results file to write; replaced in one step at the end, if it exists. Finished
+        tasks are kept in its run directory, ``OUTPUT.rbrun``, from which a later run with
+        the same output resumes.
+    jobs : int, optional
+        Tasks at once; more than 1 starts as many processes. None: as many as cores and
+        memory allow.
     threads : int, optional
         Threads of each task; default: cores / jobs. At equal ``threads`` the results
         are the same to the bit for every ``jobs``.
@@ -42,6 +63,19 @@ def run(
         ``key=value`` each, as ``--set`` on the command line.
     progress : callable, optional
         Called with a :class:`~roughbench.runner.Progress` whenever something is done.
+    force : bool
+        Compute everything again.
+    keep_going : bool
+        After a task that fails, finish all others first.
+    only : sequence of str
+        Compute only these, as ``main/bem`` or ``main/bem:4`` (the fourth realization).
+    max_memory : int or str, optional
+        Bytes that all tasks together may take by estimate, or as ``12G``; default: 80 % of
+        what is available.
+    log_file : path, optional
+        A second log, beside the one in the run directory.
+    command : str
+        How to repeat this run, for messages.
 
     Returns
     -------
@@ -55,7 +89,11 @@ def run(
     SurfaceError
         If a model cannot use the surface.
     SolverError
-        If a model refuses its input; no results file is written then.
+        If a model refuses its input; the results file stays as it was.
+    IncompleteError
+        If the disk refuses a finished task, or ``only`` leaves something out.
+    LockedError
+        If another run works for the same output.
     StoreError
         If the results file cannot be written.
 
@@ -69,55 +107,274 @@ def run(
     >>> [round(a, 5) for a in results["main"]["persson"]["area_mean"].tolist()]
     [0.01596, 0.15852]
     """
-    for name, value in (("jobs", jobs), ("threads", threads)):
-        if value is not None and value < 1:
-            raise RoughbenchError(f"{name} must be at least 1, got {value}")
     resolved = load_spec(spec, overrides)
+    limits = sharing(jobs, threads, max_memory)
     if output is not None:
         check_writable(output)
     cells = plan(resolved)
     check(cells)
-    tasks = [task for cell in cells for task in tasks_of(cell)]
-    blocks = compute_all(
-        tasks,
-        jobs=jobs,
-        threads=threads or max(1, available_cores() // jobs),
-        advanced=_counter(cells, progress),
-    )
-    experiments: dict[str, dict[str, ModelResult]] = {}
-    for cell in cells:
-        own = [block for task, block in zip(tasks, blocks, strict=True) if task.cell is cell]
-        experiments.setdefault(cell.experiment, {})[cell.model.name] = assemble(cell, own)
-    results = Results(experiments, resolved.text, resolved.sha256, resolved.name)
-    if output is not None:
-        write_results(results, output)
+    folder = RunFolder(output) if output is not None else None
+    logs = [Path(log_file)] if log_file is not None else []
+    with folder.locked(command or "a Python script") if folder else contextlib.nullcontext():
+        if folder is not None:
+            logs.append(folder.log)
+        with logged_to(logs), _told(folder, command) as desk:
+            stocks = _take_stock(cells, limits, folder, force=force)
+            if folder is not None:
+                folder.write_request(_request(resolved, stocks, command))
+            tasks = select(stocks, only, parts=limits.parts)
+            check_memory(tasks, limits)
+            desk.open(stocks, progress, keep_going=keep_going)
+            _compute(tasks, limits, desk)
+            desk.finish()
+            results = _results(resolved, stocks)
+            if folder is not None:
+                _publish(results, folder, resolved, stocks, command)
     return results
 
 
-def _counter(cells: Sequence[Cell], progress: Report | None) -> Advanced:
+def preview(
+    spec: Source,
+    *,
+    output: str | os.PathLike[str] | None = None,
+    jobs: int | None = 1,
+    threads: int | None = None,
+    overrides: Sequence[str] = (),
+    force: bool = False,
+    only: Sequence[str] = (),
+    max_memory: int | str | None = None,
+) -> list[Part]:
+    """Return what :func:`run` would compute, and why, without computing or writing anything.
+
+    Parameters
+    ----------
+    spec, output, jobs, threads, overrides, force, only, max_memory
+        As for :func:`run`.
+
+    Returns
+    -------
+    list of Part
+
+    Raises
+    ------
+    SpecError, SurfaceError, RoughbenchError
+        As :func:`run`.
+    """
+    limits = sharing(jobs, threads, max_memory)
+    cells = plan(load_spec(spec, overrides))
+    check(cells)
+    folder = RunFolder(output) if output is not None else None
+    stocks = survey(cells, limits, folder, force=force)
+    tasks = select(stocks, only, parts=limits.parts)
+    check_memory(tasks, limits)
+    return overview(stocks, tasks, folder)
+
+
+def _take_stock(
+    cells: Sequence[Cell], limits: Sharing, folder: RunFolder | None, *, force: bool
+) -> list[Stock]:
+    stocks = survey(cells, limits, folder, force=force)
+    if folder is not None:
+        for stock in stocks:
+            for error in stock.damaged:
+                log.warning("%s; set aside, to be computed again", error)
+                folder.set_aside(error.path)
+            if force:
+                folder.forget(stock.key)
+    return stocks
+
+
+def _compute(tasks: Sequence[Task], limits: Sharing, desk: _Desk) -> None:
+    processes = limits.processes(tasks)
+    log.info("%d tasks to compute, in %d processes", len(tasks), processes)
+    if processes == 1:
+        compute_here(tasks, checkpoint_of=desk.checkpoint, listener=desk)
+        return
+    compute_in_workers(
+        tasks,
+        processes=processes,
+        sharing=limits,
+        checkpoint_of=desk.checkpoint,
+        listener=desk,
+    )
+
+
+def _results(spec: Spec, stocks: Sequence[Stock]) -> Results:
+    experiments: dict[str, dict[str, ModelResult]] = {}
+    for stock in stocks:
+        result = assemble(stock.cell, stock.collected.block())
+        experiments.setdefault(stock.cell.experiment, {})[stock.cell.model.name] = result
+    return Results(experiments, spec.text, spec.sha256, spec.name)
+
+
+def _publish(
+    results: Results, folder: RunFolder, spec: Spec, stocks: Sequence[Stock], command: str
+) -> None:
+    data = image(results)
+    before = None
+    with contextlib.suppress(OSError):
+        before = folder.results.read_bytes()
+    if data != before:
+        commit(data, folder.results)
+        folder.write_provenance(provenance(data, spec, stocks, command))
+        log.info("wrote %s", folder.results)
+    else:
+        log.info("%s is up to date", folder.results)
+
+
+def _request(spec: Spec, stocks: Sequence[Stock], command: str) -> dict[str, object]:
+    return {
+        "spec": spec.text,
+        "name": spec.name,
+        "folder": str(spec.folder.absolute()),
+        "spec_sha256": spec.sha256,
+        "command": command,
+        "threads": {str(stock.cell): stock.threads for stock in stocks},
+    }
+
+
+# -- while it runs -------------------------------------------------------------------------
+
+
+class _Desk:
+    """Where finished tasks go: into their stock, on disk, into log and progress."""
+
+    def __init__(self, folder: RunFolder | None, command: str) -> None:
+        self._folder = folder
+        self._command = command
+        self._stocks: dict[tuple[str, str], Stock] = {}
+        self._failed: dict[Task, Outcome] = {}
+        self._keep_going = False
+        self._count: Callable[[Task, int], None] = lambda _task, _done: None
+
+    def open(
+        self, stocks: Sequence[Stock], progress: Report | None, *, keep_going: bool
+    ) -> None:
+        self._stocks = {_place(stock.cell): stock for stock in stocks}
+        self._keep_going = keep_going
+        self._count = _counter(stocks, progress)
+
+    def checkpoint(self, task: Task) -> Checkpoint | None:
+        if self._folder is None or len(task.realizations) > 1:
+            return None
+        return self._folder.checkpoint(task, self._stocks[_place(task.cell)].key)
+
+    def advanced(self, task: Task, done: int) -> None:
+        self._count(task, done)
+
+    def said(self, text: str) -> None:
+        log.warning(text)
+
+    def ended(self, task: Task, outcome: Outcome) -> None:
+        if outcome.block is None or outcome.usage is None:
+            self._failed[task] = outcome
+            log.info("failed: %s", outcome.error)
+            log.debug("%s", outcome.trace)
+            if not self._keep_going:
+                self._raise(task, outcome)
+            return
+        stock = self._stocks[_place(task.cell)]
+        if self._folder is not None:
+            try:
+                self._folder.write(task, outcome.block, stock.identity, outcome.usage)
+            except StoreError as error:
+                raise IncompleteError(f"{error}; {task} is lost") from error
+            checkpoint = self.checkpoint(task)
+            if checkpoint is not None:
+                checkpoint.remove()
+        stock.collected.add(task.realizations[0], task.pressure_array(), outcome.block)
+        stock.usages.append(outcome.usage.as_dict())
+        log_task(task, outcome.block, outcome.usage)
+        self._count(task, task.n_states)
+
+    def finish(self) -> None:
+        """Raise unless everything is there.
+
+        Raises
+        ------
+        RoughbenchError
+            If tasks failed.
+        IncompleteError
+            If tasks were left out.
+        """
+        if len(self._failed) == 1:
+            self._raise(*next(iter(self._failed.items())))
+        if self._failed:
+            lines = [f"{len(self._failed)} tasks failed:"]
+            for task, outcome in self._failed.items():
+                lines += [str(outcome.error), *self._rerun(task)]
+            raise RoughbenchError("\n".join(lines))
+        if not all(stock.collected.complete for stock in self._stocks.values()):
+            raise IncompleteError("the results file is not written yet: not all is computed")
+
+    def _raise(self, task: Task, outcome: Outcome) -> None:
+        error = outcome.error or RoughbenchError(f"{task}: ended without a result")
+        for line in self._rerun(task):
+            error.add_note(line)
+        if isinstance(error, RoughbenchError):
+            raise error
+        raise error from _Elsewhere(outcome.trace)
+
+    def _rerun(self, task: Task) -> list[str]:
+        if not self._command:
+            return []
+        return [f"rerun it alone: {self._command} --only {shlex.quote(label_of(task))} -j 1"]
+
+    def kept(self) -> str:
+        """Say what an end at this moment leaves, and how to go on."""
+        known = sum(int(stock.collected.known.sum()) for stock in self._stocks.values())
+        total = sum(stock.cell.n_states for stock in self._stocks.values())
+        if self._folder is None or total == 0:
+            return ""
+        text = f"{known} of {total} states are kept in {self._folder.path}"
+        return text + (f"; resume: {self._command}" if self._command else "")
+
+
+class _Elsewhere(Exception):  # noqa: N818
+    """The traceback of an error in another process."""
+
+
+def _place(cell: Cell) -> tuple[str, str]:
+    return cell.experiment, cell.model.name
+
+
+@contextlib.contextmanager
+def _told(folder: RunFolder | None, command: str) -> Iterator[_Desk]:
+    """Yield the desk of a run; an end before its end says what is kept."""
+    desk = _Desk(folder, command)
+    log.info("run: %s", command or "a Python script")
+    try:
+        yield desk
+    except BaseException as error:
+        kept = desk.kept()
+        if isinstance(error, KeyboardInterrupt | RoughbenchError | MemoryError) and kept:
+            error.add_note(kept)
+        log.debug("ended by %s: %s; %s", type(error).__name__, error, kept)
+        raise
+
+
+def _counter(stocks: Sequence[Stock], progress: Report | None) -> Callable[[Task, int], None]:
     """Return a callable that adds up finished states and tells ``progress``."""
-    total = sum(cell.n_states for cell in cells)
-    all_work = sum(cell.n_realizations * cell.work for cell in cells)
-    done, work = 0, 0.0
+    total = sum(stock.cell.n_states for stock in stocks)
+    works = {
+        _place(stock.cell): stock.cell.work / len(stock.cell.pressures) for stock in stocks
+    }
+    all_work = sum(works[_place(stock.cell)] * stock.cell.n_states for stock in stocks)
+    done = sum(int(stock.collected.known.sum()) for stock in stocks)
+    work = sum(works[_place(s.cell)] * float(s.collected.known.sum()) for s in stocks)
     done_of: dict[Task, int] = {}
     if progress is not None:
-        progress(Progress(done, total, 0.0, "starting"))
+        share = 1.0 if done == total else work / all_work
+        progress(Progress(done, total, share, "starting"))
 
     def advanced(task: Task, done_here: int) -> None:
         nonlocal done, work
         n_states = done_here - done_of.get(task, 0)
         done_of[task] = done_here
         done += n_states
-        work += n_states * task.cell.work / len(task.cell.pressures)
-        share = 1.0 if done == total else work / all_work
-        if progress is not None:
-            progress(Progress(done, total, share, task.place(done_here)))
+        work += n_states * works[_place(task.cell)]
+        share = 1.0 if done == total else min(1.0, work / all_work)
+        if progress is not None and n_states:
+            progress(Progress(done, total, share, task.place(max(1, done_here))))
 
     return advanced
-
-
-def available_cores() -> int:
-    """Return the number of cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,9 +12,8 @@ from roughbench.models.base import FloatArray, Model
 from roughbench.runner.samples import Surface, check_sample
 from roughbench.spec import FileSurface, SelfAffineSurface, Spec
 
-# Realizations per task. A line takes milliseconds, the way to another process and back
-# about one; a surface takes seconds to minutes.
-_BATCH = {0: 1, 1: 16, 2: 1}
+SECONDS_PER_TASK = 1.0
+"""Small realizations are batched to about this: to commit a task costs a hundredth of it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,10 +57,17 @@ class Cell:
         dimension = self.model.dimension
         if dimension == 0:
             return 2e3
-        n_points = 512
+        return float(self.n_points) * (len(self.pressures) if dimension == 2 else 1)
+
+    @property
+    def n_points(self) -> int:
+        """Points of a sample; heights from a file count as 512 per side."""
+        if self.model.dimension == 0:
+            return 0
+        per_side = 512
         if isinstance(self.surface, SelfAffineSurface):
-            n_points = self.model.grid_points(self.surface.spectrum(), self.surface.length)
-        return float(n_points) ** dimension * (len(self.pressures) if dimension == 2 else 1)
+            per_side = self.model.grid_points(self.surface.spectrum(), self.surface.length)
+        return per_side**self.model.dimension
 
     def pressure_array(self) -> FloatArray:
         """Return the pressures p/E*, shape (pressures,)."""
@@ -69,18 +76,54 @@ class Cell:
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """Some realizations of one cell, computed in one go by one process."""
+    """Some realizations of one cell at some pressures, computed in one go by one process.
+
+    Attributes
+    ----------
+    cell : Cell
+    realizations : range
+        Not empty.
+    pressures : tuple of float
+        p/E*, ascending; of the cell, or those of them that are missing.
+    threads : int
+        Threads that the model may use.
+    heights : str
+        Digest that heights from a file must have; empty for none.
+    """
 
     cell: Cell
     realizations: range
+    pressures: tuple[float, ...]
+    threads: int = 1
+    heights: str = ""
+
+    def __hash__(self) -> int:
+        return hash((self.cell.experiment, self.realizations, self.pressures[0]))
+
+    @property
+    def n_states(self) -> int:
+        """Number of states: realizations × pressures."""
+        return len(self.realizations) * len(self.pressures)
+
+    @property
+    def work(self) -> float:
+        """Estimated work of one state, in microseconds."""
+        return self.cell.work / len(self.cell.pressures)
+
+    def pressure_array(self) -> FloatArray:
+        """Return the pressures p/E*, shape (pressures,)."""
+        return np.array(self.pressures, dtype=np.float64)
+
+    def only(self, realization: int) -> Task:
+        """Return the part of one realization."""
+        return replace(self, realizations=range(realization, realization + 1))
 
     def place(self, done: int) -> str:
         """Say where a computation stands that has done so many states of this task."""
-        realization, pressure = divmod(done - 1, len(self.cell.pressures))
-        here = self.realizations[realization]
-        text = str(Task(self.cell, range(here, here + 1)))
-        if pressure + 1 < len(self.cell.pressures):
-            text += f", pressure {pressure + 1} of {len(self.cell.pressures)}"
+        realization, pressure = divmod(done - 1, len(self.pressures))
+        text = str(self.only(self.realizations[realization]))
+        if pressure + 1 < len(self.pressures):
+            text += f", pressure {pressure + 1} of {len(self.pressures)}"
         return text
 
     def __str__(self) -> str:
@@ -125,10 +168,36 @@ def check(cells: list[Cell]) -> None:
         raise SurfaceError("\n".join(f"{cell}: {fault}" for fault, cell in faults.items()))
 
 
-def tasks_of(cell: Cell) -> list[Task]:
-    """Cut the realizations of a cell into tasks."""
-    size, n = _BATCH[cell.model.dimension], cell.n_realizations
-    return [Task(cell, range(n)[first : first + size]) for first in range(0, n, size)]
+def cut(
+    cell: Cell,
+    realizations: range,
+    pressures: tuple[float, ...],
+    *,
+    threads: int = 1,
+    heights: str = "",
+    parts: int = 1,
+) -> list[Task]:
+    """Cut realizations of a cell into tasks of about a second, or one of a realization.
+
+    Parameters
+    ----------
+    cell, realizations, pressures, threads, heights
+        As in :class:`Task`.
+    parts : int
+        Make at least so many tasks, where they stay longer than a tenth of a second.
+
+    Returns
+    -------
+    list of Task
+        The numbers do not depend on the cut.
+    """
+    seconds = 1e-6 * cell.work * len(pressures) / len(cell.pressures)
+    wanted = min(SECONDS_PER_TASK / seconds, len(realizations) / parts)
+    size = max(1, math.ceil(max(wanted, 0.1 * SECONDS_PER_TASK / seconds)))
+    return [
+        Task(cell, realizations[start : start + size], pressures, threads, heights)
+        for start in range(0, len(realizations), size)
+    ]
 
 
 def _realizations(spec: Spec, model: Model) -> int:

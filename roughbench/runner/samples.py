@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
+
+import numpy as np
+
 from roughbench.errors import SurfaceError
 from roughbench.heights_file import load_heights
 from roughbench.models.base import FloatArray, Model, Sample
@@ -19,7 +23,9 @@ from roughbench.surface import (
 Surface = SelfAffineSurface | FileSurface
 
 
-def make_sample(surface: Surface, model: Model, seed: int, realization: int) -> Sample:
+def make_sample(
+    surface: Surface, model: Model, seed: int, realization: int, digest: str = ""
+) -> Sample:
     """Return what ``model`` needs of one realization: a line, a surface, or the spectrum.
 
     Parameters
@@ -30,6 +36,8 @@ def make_sample(surface: Surface, model: Model, seed: int, realization: int) -> 
         Its ``dimension`` and its grid choose the sample.
     seed, realization : int
         Choose the random stream; the same one for every model.
+    digest : str
+        What :func:`heights_digest` must say of the heights of a file; "" accepts any.
 
     Returns
     -------
@@ -39,9 +47,13 @@ def make_sample(surface: Surface, model: Model, seed: int, realization: int) -> 
     ------
     SurfaceError
         If the grid is too coarse for the spectrum, or the heights of the file have
-        another dimension than the model needs.
+        another dimension than the model needs or are not those of ``digest``.
     """
     if isinstance(surface, FileSurface):
+        if digest and digest != heights_digest(surface):
+            raise SurfaceError(
+                f"{surface.path}: changed since the run began; run it again for the new heights"
+            )
         return _from_file(surface, model)
     spectrum, length = surface.spectrum(), surface.length
     if model.dimension == 0:
@@ -74,6 +86,14 @@ def check_sample(surface: Surface, model: Model) -> None:
         _from_file(surface, model)
     elif model.dimension > 0:
         model.grid_points(surface.spectrum(), surface.length)
+
+
+def heights_digest(surface: FileSurface) -> str:
+    """Return a digest of the heights in a file: of their values, not of their file."""
+    heights = load_heights(surface.path, surface.folder)
+    content = hashlib.sha256(repr(heights.shape).encode())
+    content.update(np.ascontiguousarray(heights).data)
+    return content.hexdigest()[:20]
 
 
 def rms_of(sample: Sample) -> tuple[float, float]:

@@ -48,7 +48,9 @@ class _Given:
     overrides: dict[KeyPath, str] = field(default_factory=dict)
 
 
-def load_spec(source: Source, overrides: Sequence[str] = ()) -> Spec:
+def load_spec(
+    source: Source, overrides: Sequence[str] = (), *, folder: str | os.PathLike[str] = ""
+) -> Spec:
     """Return the spec that ``source`` describes.
 
     Parameters
@@ -59,6 +61,8 @@ def load_spec(source: Source, overrides: Sequence[str] = ()) -> Spec:
         else at the current one.
     overrides : sequence of str
         ``key=value`` each, as behind ``--set`` on the command line.
+    folder : path
+        Where relative paths of height files start in a text; default: the current folder.
 
     Returns
     -------
@@ -83,11 +87,11 @@ def load_spec(source: Source, overrides: Sequence[str] = ()) -> Spec:
     if isinstance(source, Spec):
         if not overrides:
             return source
-        given = _Given(Document(source.as_given()), source.name, source._folder)  # noqa: SLF001
+        given = _Given(Document(source.as_given()), source.name, source.folder)
     elif isinstance(source, Mapping):
         given = _from_mapping(source)
     elif isinstance(source, str) and ("\n" in source or source.lstrip().startswith("{")):
-        given = _Given(read_yaml(source), text=source)
+        given = _Given(read_yaml(source), folder=Path(folder), text=source)
     else:
         given = _from_file(source)
     return _build(given, overrides)

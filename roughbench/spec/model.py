@@ -70,6 +70,11 @@ class Spec(BaseModel):
             self._folder = Path(context.get("folder", ""))
 
     @property
+    def folder(self) -> Path:
+        """Where relative paths of height files start."""
+        return self._folder
+
+    @property
     def pressures(self) -> tuple[float, ...]:
         """Pressures p/E*, ascending."""
         given = self.given_pressures

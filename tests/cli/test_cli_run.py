@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import pty
+import shlex
 import signal
 import subprocess
 import sys
@@ -40,7 +41,11 @@ def test_leaves_the_results_file_and_says_so(folder: Path, invoke: Invoke) -> No
     loaded = rb.load("small.h5")
     assert list(loaded["main"]) == ["foundation", "persson"]
     assert loaded.spec_text == (folder / "small.yaml").read_text()
-    assert sorted(entry.name for entry in folder.iterdir()) == ["small.h5", "small.yaml"]
+    assert sorted(entry.name for entry in folder.iterdir()) == [
+        "small.h5",
+        "small.h5.rbrun",
+        "small.yaml",
+    ]
 
 
 def test_the_same_bytes_for_any_number_of_jobs(
@@ -73,26 +78,59 @@ def test_an_existing_file_is_replaced(results: Path, invoke: Invoke) -> None:
 
 def test_quiet_and_verbose(folder: Path, invoke: Invoke) -> None:
     assert invoke("run", "small.yaml", "-q").stderr == ""
-    told = invoke("run", "small.yaml", "-v").stderr
-    assert " s left: 60 of 63 states, main/foundation" in told
-    assert "main/foundation, realization 20 of 20" in told
+    told = invoke("run", "small.yaml", "-v", "--force").stderr
+    assert "2 tasks to compute, in 1 processes\n" in told
+    assert "main/foundation, realizations 1 to 20 of 20: done in " in told
+    assert "peak memory 0." in told
     assert (folder / "small.h5").exists()
+    log = (folder / "small.h5.rbrun" / "run.log").read_text()
+    assert log.count("INFO main/foundation, realizations 1 to 20 of 20: done in ") == 2
 
 
-def test_one_line_in_thirty_seconds_without_a_terminal(
+def test_a_second_log_with_every_state(folder: Path, invoke: Invoke) -> None:
+    with (folder / "small.yaml").open("a") as file:
+        file.write("  - {kind: bem, grid: 64, realizations: 2}\n")
+    done = invoke("run", "small.yaml", "-q", "--log-file", "mine.log")
+    assert (done.exit_code, done.stderr) == (0, "")
+    log = (folder / "mine.log").read_text()
+    assert log == (folder / "small.h5.rbrun" / "run.log").read_text()
+    states = [
+        line for line in log.splitlines() if " DEBUG main/bem, realization 2 of 2" in line
+    ]
+    assert len(states) == 3
+    assert "p/E* = 0.0001: converged, complementarity " in states[0]
+    assert "iterations " in states[0]
+    missing = invoke("run", "small.yaml", "--log-file", "missing/x.log")
+    assert missing.exit_code == 1
+    assert "cannot write the log missing/x.log: No such file or directory" in missing.stderr
+
+
+def test_a_line_in_thirty_seconds_without_a_terminal(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    clock = iter([0.0, 10.0, 31.0, 45.0, 62.0])
-    monkeypatch.setattr(time, "monotonic", lambda: next(clock))
+    monkeypatch.setattr(cli_progress, "SECONDS_BETWEEN_LINES", 0.05)
     with cli_progress.progress_shown(quiet=False, verbose=False) as report:
         assert report is not None
-        for done in (1, 2, 3, 4):
-            report(Progress(done, 4, done / 4, f"state {done}"))
+        report(Progress(1, 4, 0.25, "state 1"))
+        time.sleep(0.3)  # and lines come while nothing is new
     lines = capsys.readouterr().err.splitlines()
-    assert lines == [
-        "50% done after 31.0 s, about 31.0 s left: 2 of 4 states, state 2",
-        "100% done after 1 min 2 s: 4 of 4 states, state 4",
-    ]
+    assert len(lines) >= 3
+    assert all(line.startswith("25% done after 0.") for line in lines)
+    assert all(line.endswith(" s: 1 of 4 states, state 1") for line in lines)
+
+
+def test_the_time_left_does_not_count_what_was_compiled_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    clock = [0.0]
+    monkeypatch.setattr(time, "monotonic", lambda: clock[0])
+    pace = cli_progress._Pace()
+    told = []
+    for now, share in ((0.0, 0.2), (100.0, 0.3), (101.0, 0.4), (104.0, 0.7), (107.0, 1.0)):
+        clock[0] = now
+        pace.note(Progress(0, 10, share, ""))
+        told.append(pace.left(share))
+    assert told == ["", "", ", about 6.0 s left", ", about 3.0 s left", ""]
 
 
 def test_a_bar_on_a_terminal(folder: Path) -> None:
@@ -214,36 +252,55 @@ def test_click_has_its_own_way_out(invoke: Invoke, monkeypatch: pytest.MonkeyPat
     assert invoke("run", "small.yaml").exit_code == 1
 
 
+LONG = ("--set", "realizations=100000", "--set", "models.foundation.springs=16384")
+
+
+def started(start: Callable[..., Popen], jobs: int) -> Popen:
+    """Return a run of some minutes that has finished a task."""
+    process = start("run", "small.yaml", "-v", "-j", jobs, "--threads", 1, *LONG)
+    assert process.stderr is not None
+    while ": done in " not in process.stderr.readline():
+        assert process.poll() is None
+    return process
+
+
 @pytest.mark.parametrize("jobs", [1, 2])
-def test_ctrl_c_ends_it_cleanly(
-    results: Path, folder: Path, start: Callable[..., Popen], jobs: int
+@pytest.mark.parametrize(
+    ("number", "code", "told"),
+    [(signal.SIGINT, 130, "interrupted"), (signal.SIGTERM, 3, "stopped by SIGTERM")],
+)
+def test_a_signal_ends_it_cleanly(
+    results: Path,
+    start: Callable[..., Popen],
+    invoke: Invoke,
+    jobs: int,
+    number: signal.Signals,
+    code: int,
+    told: str,
 ) -> None:
     before = results.read_bytes()
-    long = ("--set", "realizations=100000", "--set", "models.foundation.springs=16384")
-    process = start("run", "small.yaml", "-v", "-j", jobs, *long)
-    assert process.stderr is not None
-    while "realization" not in process.stderr.readline():
-        assert process.poll() is None
+    process = started(start, jobs)
     # A terminal sends the signal to the whole group: to the workers as well.
-    os.killpg(process.pid, signal.SIGINT)
+    os.killpg(process.pid, number)
     sent = time.monotonic()
     stdout, stderr = process.communicate(timeout=60)
-    assert time.monotonic() - sent < 20.0
-    assert process.returncode == 130
-    assert stdout == ""
-    assert stderr.splitlines()[-1] == "interrupted"
+    assert time.monotonic() - sent < 10.0
+    assert (process.returncode, stdout) == (code, "")
+    *_, first, second = stderr.splitlines()
+    assert first == told
+    assert " of 300003 states are kept in small.h5.rbrun; resume: roughbench run" in second
     assert "Traceback" not in stderr
     assert results.read_bytes() == before
-    assert sorted(entry.name for entry in folder.iterdir()) == ["small.h5", "small.yaml"]
     assert_no_process_left(process.pid)
+    again = shlex.split(second.partition("resume: roughbench ")[2])
+    assert again[:2] == ["run", "small.yaml"]
+    planned = invoke(*again, "-n").stdout.splitlines()
+    assert any(line.endswith(": done") for line in planned)
+    assert any(": new (" in line for line in planned)
 
 
 def test_workers_end_with_a_killed_parent(start: Callable[..., Popen]) -> None:
-    long = ("--set", "realizations=100000", "--set", "models.foundation.springs=16384")
-    process = start("run", "small.yaml", "-v", "-j", 2, *long)
-    assert process.stderr is not None
-    while "realization" not in process.stderr.readline():
-        assert process.poll() is None
+    process = started(start, 2)
     assert len(processes_of(process.pid)) >= 3  # the workers are there
     process.kill()
     process.communicate(timeout=60)

@@ -4,83 +4,22 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any
 
 import numpy as np
 import pytest
 
 import roughbench as rb
-from roughbench.models.base import Curve, FloatArray, Model, Sample, Solved, Status
+from roughbench.models.base import Status
 from roughbench.models.foundation import foundation_curve
 from roughbench.models.persson import Persson, persson_curve
 from roughbench.runner import Progress, check, plan
 from roughbench.runner.assemble import assemble
 from roughbench.runner.compute import compute
-from roughbench.runner.plan import Cell, Task, tasks_of
-from roughbench.runner.pool import compute_all
+from roughbench.runner.plan import Cell, Task, cut
 from roughbench.runner.samples import make_sample
 from roughbench.spec import load_spec
-
-Misdeed = Literal[
-    "none", "unconverged", "nan area", "nan stiffness", "shape", "refuse", "crash", "die"
-]
-
-
-class Fake(Model):
-    """Area r + p, separation 1, stiffness inf at the last pressure; misbehaves on demand."""
-
-    dimension: ClassVar[int] = 1
-    title: ClassVar[str] = "Fake"
-
-    kind: Literal["fake"] = "fake"
-    misdeed: Misdeed = "none"
-    flag: bool = True
-
-    def grid_points(self, spectrum: object, length: float) -> int:
-        del spectrum, length
-        return 128
-
-    def curve(
-        self,
-        sample: Sample,
-        pressures: FloatArray,
-        *,
-        threads: int = 1,
-        solved: Solved | None = None,
-    ) -> Curve:
-        del solved
-        assert sample.heights is not None
-        index = float(np.argmax(sample.heights))
-        shape = pressures.shape
-        if self.misdeed == "refuse":
-            raise rb.SolverError("refused")
-        if self.misdeed == "crash":
-            raise ZeroDivisionError("a fault of the model")
-        if self.misdeed == "die":
-            import os
-
-            os._exit(9)
-        stiffness = np.where(pressures == pressures.max(), np.inf, pressures)
-        curve = Curve(
-            pressure=pressures,
-            area=index + pressures,
-            separation=np.ones(shape),
-            stiffness=stiffness,
-            energy=np.full(shape, np.nan),
-            status=np.zeros(shape, np.int32),
-            area_raw=np.full(shape, 0.5),
-            diagnostics={"threads": np.full(shape, threads), "even": pressures > 1e-3},
-        )
-        if self.misdeed == "unconverged" and index % 2:
-            status = np.array([0, Status.STAGNATED, Status.MAX_ITERATIONS], np.int32)
-            return replace(curve, status=status, area=np.array([index, 1e9, np.nan]))
-        if self.misdeed == "nan area":
-            return replace(curve, area=np.array([np.nan, 0.0, np.inf]))
-        if self.misdeed == "nan stiffness":
-            return replace(curve, stiffness=np.full(shape, np.nan))
-        if self.misdeed == "shape":
-            return replace(curve, energy=np.zeros(2))
-        return curve
+from tests.runner.fakes import Fake, Misdeed
 
 
 @pytest.fixture
@@ -91,7 +30,11 @@ def cell(small_spec: dict[str, Any]) -> Cell:
 
 def computed(cell: Cell, misdeed: Misdeed) -> rb.ModelResult:
     cell = replace(cell, model=Fake(misdeed=misdeed))
-    return assemble(cell, [compute(task, 1) for task in tasks_of(cell)])
+    return assemble(cell, compute(whole(cell)))
+
+
+def whole(cell: Cell) -> Task:
+    return Task(cell, range(cell.n_realizations), cell.pressures)
 
 
 # -- what is computed ----------------------------------------------------------------------
@@ -216,11 +159,25 @@ def test_a_curve_of_another_shape_is_an_error(cell: Cell) -> None:
 
 
 def test_every_realization_is_in_one_task(cell: Cell) -> None:
-    tasks = tasks_of(replace(cell, n_realizations=37))
-    assert [i for task in tasks for i in task.realizations] == list(range(37))
-    assert str(tasks[0]) == "main/fake, realizations 1 to 16 of 37"
-    assert str(Task(tasks[0].cell, range(4, 5))) == "main/fake, realization 5 of 37"
-    assert str(tasks_of(replace(cell, n_realizations=1))[0]) == "main/fake"
+    tasks = cut(cell, range(3, 40), cell.pressures, parts=4)
+    assert [i for task in tasks for i in task.realizations] == list(range(3, 40))
+    many = replace(cell, n_realizations=37)
+    assert str(Task(many, range(16), cell.pressures)) == "main/fake, realizations 1 to 16 of 37"
+    assert str(Task(many, range(4, 5), cell.pressures)) == "main/fake, realization 5 of 37"
+    assert str(whole(replace(cell, n_realizations=1))) == "main/fake"
+
+
+def test_small_realizations_share_a_task_and_large_ones_do_not(
+    small_spec: dict[str, Any],
+) -> None:
+    models = [{"kind": "bem", "grid": 1024}, {"kind": "foundation", "springs": 8192}]
+    exact, foundation = plan(load_spec({**small_spec, "models": models}))
+    sizes = [len(task.realizations) for task in cut(exact, range(20), exact.pressures)]
+    assert sizes == [1] * 20
+    lines = cut(foundation, range(10_000), foundation.pressures, parts=4)
+    assert {len(task.realizations) for task in lines[:-1]} == {123}  # a second
+    few = cut(foundation, range(20), foundation.pressures, parts=4)
+    assert [len(task.realizations) for task in few] == [13, 7]  # a tenth of one at least
 
 
 def test_check_names_every_fault(small_spec: dict[str, Any]) -> None:
@@ -247,24 +204,6 @@ def test_the_file_is_the_same_to_the_byte_for_any_number_of_jobs(
     for name in results["main"]["foundation"]:
         memory, disk = (r["main"]["foundation"][name] for r in (results, loaded))
         np.testing.assert_array_equal(memory, disk)
-
-
-def test_threads_default_to_the_cores_of_each_job(
-    monkeypatch: pytest.MonkeyPatch, small_spec: dict[str, Any]
-) -> None:
-    from roughbench.runner import driver
-
-    seen: list[tuple[int, int]] = []
-
-    def spy(tasks: list[Task], *, jobs: int, threads: int, advanced: Any) -> list[Any]:
-        seen.append((jobs, threads))
-        return compute_all(tasks, jobs=1, threads=threads, advanced=advanced)
-
-    monkeypatch.setattr(driver, "compute_all", spy)
-    monkeypatch.setattr(driver, "available_cores", lambda: 8)
-    for jobs, threads in ((1, None), (3, None), (16, None), (2, 5)):
-        driver.run(small_spec, jobs=jobs, threads=threads)
-    assert seen == [(1, 8), (3, 2), (16, 1), (2, 5)]
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
@@ -296,25 +235,6 @@ def test_progress_of_the_exact_solver_goes_by_pressures(jobs: int) -> None:
     assert texts[-1] in {f"main/bem, realization {i} of 2" for i in (1, 2)}
 
 
-@pytest.mark.parametrize("jobs", [1, 2])
-def test_a_failed_task_names_its_realization(cell: Cell, jobs: int) -> None:
-    cell = replace(cell, model=Fake(misdeed="refuse"))
-    with pytest.raises(rb.SolverError, match="main/fake, realization 1 of 6: refused"):
-        compute_all(tasks_of(cell), jobs=jobs, threads=1, advanced=lambda *_: None)
-
-
-def test_a_crashed_task_is_not_disguised(cell: Cell) -> None:
-    cell = replace(cell, model=Fake(misdeed="crash"))
-    with pytest.raises(ZeroDivisionError, match="a fault of the model"):
-        compute_all(tasks_of(cell), jobs=2, threads=1, advanced=lambda *_: None)
-
-
-def test_a_dead_worker_is_an_error_with_a_remedy(cell: Cell) -> None:
-    cell = replace(cell, model=Fake(misdeed="die"))
-    with pytest.raises(rb.RoughbenchError, match=r"a worker process died .* fewer jobs \(-j\)"):
-        compute_all(tasks_of(cell), jobs=2, threads=1, advanced=lambda *_: None)
-
-
 def test_nothing_is_written_when_a_task_fails(
     cell: Cell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, small_spec: dict[str, Any]
 ) -> None:
@@ -324,7 +244,7 @@ def test_nothing_is_written_when_a_task_fails(
     monkeypatch.setattr(driver, "plan", lambda _: cells)
     with pytest.raises(rb.SolverError, match="refused"):
         driver.run(small_spec, output=tmp_path / "r.h5")
-    assert list(tmp_path.iterdir()) == []
+    assert [entry.name for entry in tmp_path.iterdir()] == ["r.h5.rbrun"]
 
 
 @pytest.mark.parametrize(("jobs", "threads"), [(0, None), (1, 0), (-1, 1)])

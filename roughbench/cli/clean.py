@@ -1,0 +1,29 @@
+"""``roughbench clean``: remove the run directory of a results file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from roughbench.cli.options import debug_option, example, run_argument
+
+
+@click.command(
+    "clean", epilog=example("roughbench clean quick.h5", "roughbench clean quick.h5 --unused")
+)
+@run_argument
+@click.option(
+    "--unused", is_flag=True, help="Remove only shards that the last run did not need."
+)
+@debug_option
+def command(path: Path, unused: bool) -> None:  # noqa: FBT001
+    """Remove the run directory of RESULTS.
+
+    The results file stays. Without its run directory it cannot be extended: the next run
+    computes everything again.
+    """
+    from roughbench.runner import clean
+
+    freed = clean(path, unused=unused)
+    click.echo(f"freed {freed / 1e6:.1f} MB")

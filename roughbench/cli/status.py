@@ -1,0 +1,44 @@
+"""``roughbench status``: how far a run is."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import click
+
+from roughbench.cli.options import debug_option, example, run_argument
+
+
+@click.command(
+    "status",
+    epilog=example(
+        "roughbench status quick.h5", "roughbench status quick.h5 --json | jq '.done / .states'"
+    ),
+)
+@run_argument
+@click.option("--json", "as_json", is_flag=True, help="Everything, as JSON.")
+@debug_option
+def command(path: Path, as_json: bool) -> None:  # noqa: FBT001
+    """Say how far the run of RESULTS is.
+
+    Whether it is running, complete or incomplete, and how the realizations of each model
+    stand. RESULTS may be the results file, there or still to come, its run directory, or the
+    spec.
+    """
+    from roughbench.runner import status
+
+    state = status(path)
+    if as_json:
+        click.echo(json.dumps(state.as_dict(), indent=1))
+        return
+    for part in state.parts:
+        click.echo(part)
+    click.echo(
+        f"{state.results}: {state.state}, {state.done} of {state.states} states are done"
+    )
+    if state.holder:
+        host, process = state.holder.get("host"), state.holder.get("process")
+        click.echo(f"process {process} on {host} since {state.holder.get('since')}")
+    elif state.state == "incomplete" and state.command:
+        click.echo(f"resume: {state.command}")

@@ -1,0 +1,87 @@
+"""The finished states of a long curve, kept so that a kill costs no more than one.
+
+A checkpoint is scratch: it is there from the first states of a curve until the shard of
+the whole curve is, and one that is damaged only costs time.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import time
+import zipfile
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+from numpy.lib.npyio import NpzFile
+from numpy.typing import NDArray
+
+from roughbench.models.base import Snapshot
+from roughbench.publish import publish
+
+SECONDS_BETWEEN = 10.0
+"""A state that took less is not worth a checkpoint of its own."""
+COST = 0.05
+"""Largest share of the time that goes into writing them."""
+
+_DONE = "roughbench_done"
+_DAMAGED = (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile)
+
+
+@dataclass(slots=True)
+class Checkpoint:
+    """A file with the latest snapshot of one curve.
+
+    Parameters
+    ----------
+    path : Path
+        In a folder that exists.
+    """
+
+    path: Path
+    _last: float = field(default_factory=time.monotonic)
+    _cost: float = 0.0
+
+    def offer(self, done: int, snapshot: Snapshot) -> None:
+        """Keep a snapshot after ``done`` states, if it is time for one.
+
+        A disk that is full or gone does not end the computation: it goes on without.
+        """
+        now = time.monotonic()
+        if now - self._last < max(SECONDS_BETWEEN, self._cost / COST):
+            return
+        arrays = {_DONE: np.array(done), **snapshot()}
+
+        def write(file: IO[bytes]) -> None:
+            # Straight to disk: they may be large.
+            np.savez(file, **arrays)  # type: ignore[arg-type]
+
+        with contextlib.suppress(OSError):
+            publish(write, self.path)
+        self._last = time.monotonic()
+        self._cost = self._last - now
+
+    def load(self) -> tuple[int, Mapping[str, NDArray[Any]]] | None:
+        """Return the number of finished states and the snapshot, or None for none."""
+        with contextlib.suppress(*_DAMAGED), self._opened() as file:
+            arrays = {name: file[name] for name in file.files}
+            return int(arrays.pop(_DONE)), arrays
+        return None
+
+    def done(self) -> int:
+        """Return the number of states that a kill would not cost."""
+        with contextlib.suppress(*_DAMAGED), self._opened() as file:
+            return int(file[_DONE])
+        return 0
+
+    @contextlib.contextmanager
+    def _opened(self) -> Iterator[NpzFile]:
+        with self.path.open("rb") as raw, np.load(raw, allow_pickle=False) as file:
+            yield file
+
+    def remove(self) -> None:
+        """Remove the file, if there is one."""
+        with contextlib.suppress(OSError):
+            self.path.unlink()

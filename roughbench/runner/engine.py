@@ -1,0 +1,61 @@
+"""What every engine does with tasks: compute them, anywhere, and say how it went."""
+
+from __future__ import annotations
+
+import pickle
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+from roughbench.errors import RoughbenchError
+from roughbench.runner.checkpoint import Checkpoint
+from roughbench.runner.compute import Block, compute
+from roughbench.runner.plan import Task
+from roughbench.runner.usage import Meter, Usage
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How a task ended: with a block and what it took, or with an error and its traceback."""
+
+    block: Block | None = None
+    usage: Usage | None = None
+    error: Exception | None = None
+    trace: str = ""
+
+    def portable(self) -> Outcome:
+        """Return it in a form that can go to another process."""
+        try:
+            pickle.loads(pickle.dumps(self.error))  # noqa: S301  (its own)
+        except Exception:  # noqa: BLE001, RUF100  (whatever a foreign exception does)
+            return Outcome(error=RoughbenchError(repr(self.error)), trace=self.trace)
+        return self
+
+
+class Listener(Protocol):
+    """What an engine tells, in the thread and process that called it."""
+
+    def advanced(self, task: Task, done: int) -> None:
+        """Hear that so many states of a running task are done."""
+
+    def ended(self, task: Task, outcome: Outcome) -> None:
+        """Take the end of a task; what is raised here ends the engine."""
+
+    def said(self, text: str) -> None:
+        """Hear what a log should know, such as the death of a worker."""
+
+
+CheckpointOf = Callable[[Task], Checkpoint | None]
+"""Where the finished states of a task are kept; None for nowhere."""
+
+
+def carry_out(
+    task: Task, checkpoint: Checkpoint | None, advanced: Callable[[int], None]
+) -> Outcome:
+    """Compute a task in this process."""
+    meter = Meter()
+    try:
+        return Outcome(compute(task, advanced, checkpoint), meter.read())
+    except Exception as error:  # noqa: BLE001, RUF100  (whatever it is, it is this task's end)
+        return Outcome(error=error, trace="".join(traceback.format_exception(error)))

@@ -1,0 +1,373 @@
+"""The run directory beside a results file: durable shards, and a lock for one run at a time.
+
+``quick.h5.rbrun/``
+    ``lock``             who works in it
+    ``run.log``          what happened, of all runs
+    ``run.json``         what the last run was asked for
+    ``provenance.json``  where the results file comes from
+    ``shards/KEY/``      finished tasks; KEY stands for what the numbers depend on
+    ``checkpoints/``     finished states of long curves
+    ``set-aside/``       shards that were damaged
+
+The shards are the truth; all else may be deleted. A shard is an ``.npz`` file named after
+its realizations and the SHA-256 of its bytes, published in one step.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import hashlib
+import io
+import json
+import os
+import platform
+import re
+import shutil
+import time
+import zipfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+
+from roughbench.errors import LockedError, StoreError
+from roughbench.models.base import FloatArray
+from roughbench.publish import commit, remove_leftovers
+from roughbench.results import dimensions
+from roughbench.runner.checkpoint import Checkpoint
+from roughbench.runner.compute import Block
+from roughbench.runner.identity import Identity, key_of
+from roughbench.runner.plan import Task
+from roughbench.runner.usage import Usage, now
+
+SUFFIX = ".rbrun"
+FORMAT = "roughbench shard 1"
+
+_NAME = re.compile(r"(\d+)-(\d+)\.([0-9a-f]{16})\.npz", re.ASCII)
+_META = "roughbench"
+_TRIES, _PAUSE = 6, 0.1
+_DTYPES = tuple(np.dtype(name) for name in ("f4", "f8", "i4", "i8"))
+
+
+class ShardError(StoreError):
+    """A shard that cannot be used; the message names it, and ``path`` is where it is."""
+
+    def __init__(self, path: Path, reason: object) -> None:
+        super().__init__(f"{path}: {reason}")
+        self.path = path
+
+
+@dataclass(frozen=True, slots=True)
+class Shard:
+    """One finished task, as it is on disk.
+
+    Attributes
+    ----------
+    path : Path
+    first : int
+        Realization of the first row.
+    pressures : ndarray of float64, shape (pressures,)
+        p/E*.
+    block : dict of str to ndarray
+        As :func:`roughbench.runner.compute.compute` returns it.
+    identity : mapping
+        What the numbers depend on.
+    cell : str
+        What it was computed for, such as ``main/bem``.
+    usage : mapping
+        What it took.
+    """
+
+    path: Path
+    first: int
+    pressures: FloatArray
+    block: Block
+    identity: Identity
+    cell: str
+    usage: dict[str, Any]
+
+
+def folder_of(results: str | os.PathLike[str]) -> Path:
+    """Return the run directory of a results file.
+
+    Examples
+    --------
+    >>> folder_of("results/quick.h5").as_posix()
+    'results/quick.h5.rbrun'
+    """
+    path = Path(results)
+    return path.with_name(path.name + SUFFIX)
+
+
+def realizations_of(shard: Path) -> range:
+    """Return the realizations that a shard is named after; none if it is not named so."""
+    name = _NAME.fullmatch(shard.name)
+    return range(int(name[1]), int(name[2]) + 1) if name else range(0)
+
+
+class RunFolder:
+    """A run directory; reading needs no lock, writing does.
+
+    Parameters
+    ----------
+    results : path
+        The results file that it stands beside.
+    """
+
+    def __init__(self, results: str | os.PathLike[str]) -> None:
+        self.results = Path(results)
+        self.path = folder_of(results)
+        self.log = self.path / "run.log"
+        self._shards = self.path / "shards"
+        self._checkpoints = self.path / "checkpoints"
+        self._set_aside = self.path / "set-aside"
+
+    # -- one run at a time -----------------------------------------------------------------
+
+    @contextlib.contextmanager
+    def locked(self, command: str) -> Iterator[None]:
+        """Make the folder and keep other runs out of it.
+
+        Raises
+        ------
+        LockedError
+            If another run is in it; says which and where.
+        StoreError
+            If it cannot be made or written.
+        """
+        try:
+            file = self._lock()
+            self._write_holder(file, command)
+            for folder in (self._shards, self._checkpoints):
+                folder.mkdir(exist_ok=True)
+        except OSError as error:
+            raise StoreError(
+                f"cannot write {self.path}: {error.strerror or error}; choose another place "
+                "with -o, or make room and permission there"
+            ) from error
+        try:
+            self._remove_leftovers()
+            yield
+        finally:
+            with contextlib.suppress(OSError):
+                file.truncate(0)
+            file.close()
+
+    def _lock(self) -> IO[str]:
+        self.path.mkdir(exist_ok=True)
+        path = self.path / "lock"
+        for attempt in range(_TRIES):
+            time.sleep(_PAUSE * (attempt > 0))
+            file = path.open("a+")
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                # Another process may have removed the folder between open and flock.
+                if os.fstat(file.fileno()).st_ino == path.stat().st_ino:
+                    return file
+            except BlockingIOError:  # a run, or someone who only looks who is there
+                pass
+            except BaseException:
+                file.close()
+                raise
+            file.close()
+        raise LockedError(self._locked_message())
+
+    def _write_holder(self, file: IO[str], command: str) -> None:
+        holder = {
+            "process": os.getpid(),
+            "host": platform.node(),
+            "since": now(),
+            "command": command,
+        }
+        file.truncate(0)
+        file.write(json.dumps(holder))
+        file.flush()
+
+    def _locked_message(self) -> str:
+        holder = self.holder()
+        who = "another run"
+        if holder:
+            who = (
+                f"process {holder.get('process')} on {holder.get('host')} since "
+                f"{holder.get('since')} ({holder.get('command')})"
+            )
+        return (
+            f"{self.path} is locked by {who}; wait for it or stop it, or choose another "
+            "results file with -o"
+        )
+
+    def holder(self) -> dict[str, Any]:
+        """Return what the run in the folder says of itself; empty for none."""
+        with contextlib.suppress(OSError, ValueError), (self.path / "lock").open() as file:
+            try:
+                fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+            except BlockingIOError:
+                found = json.loads(file.read() or "{}")
+                return found if isinstance(found, dict) and found else {"process": "?"}
+        return {}
+
+    def _remove_leftovers(self) -> None:
+        remove_leftovers(self.results)
+        with contextlib.suppress(OSError):
+            for leftover in self.path.rglob(".*.tmp"):
+                leftover.unlink()
+
+    # -- shards ----------------------------------------------------------------------------
+
+    def computations(self) -> list[str]:
+        """Return the keys of all identities that the folder has shards of."""
+        return sorted(entry.name for entry in _entries(self._shards))
+
+    def shards(self, key: str) -> list[Path]:
+        """Return the files of the shards of one identity, in the order of their names."""
+        return [
+            entry
+            for entry in sorted(_entries(self._shards / key))
+            if not entry.name.startswith(".")
+        ]
+
+    def write(self, task: Task, block: Block, identity: Identity, usage: Usage) -> Path:
+        """Commit a finished task: when this returns, nothing short of a broken disk takes it.
+
+        Raises
+        ------
+        StoreError
+            If the system refuses.
+        """
+        first, stop = task.realizations.start, task.realizations.stop
+        meta = {
+            "format": FORMAT,
+            "identity": identity,
+            "cell": str(task.cell),
+            "usage": usage.as_dict(),
+        }
+        image = io.BytesIO()
+        text = np.frombuffer(json.dumps(meta).encode(), np.uint8)
+        arrays = {_META: text, "pressure": task.pressure_array(), **block}
+        np.savez(image, **arrays)  # type: ignore[arg-type]
+        data = image.getvalue()
+        folder = self._shards / key_of(identity)
+        try:
+            folder.mkdir(exist_ok=True)
+        except OSError as error:
+            raise StoreError(f"cannot write {folder}: {error.strerror}") from error
+        name = f"{first:06d}-{stop - 1:06d}.{_digest(data)}.npz"
+        return commit(data, folder / name)
+
+    def read(self, path: Path) -> Shard:
+        """Return a shard.
+
+        Raises
+        ------
+        ShardError
+            If it is damaged, or no shard of this folder: never a wrong number.
+        """
+        try:
+            return _read(path)
+        except OSError as error:
+            reason = f"cannot be read: {error.strerror or error}"
+            raise ShardError(path, reason) from error
+        except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+            raise ShardError(path, error) from error
+
+    def set_aside(self, path: Path) -> None:
+        """Move a damaged shard out of the way; its tasks will be computed again."""
+        try:
+            self._set_aside.mkdir(exist_ok=True)
+            path.replace(self._set_aside / f"{path.parent.name}-{path.name}")
+        except OSError as error:
+            raise StoreError(
+                f"cannot set {path} aside: {error.strerror}; remove it by hand"
+            ) from error
+
+    def forget(self, key: str) -> None:
+        """Remove all shards of one identity, and its checkpoints."""
+        shutil.rmtree(self._shards / key, ignore_errors=True)
+        for path in _entries(self._checkpoints):
+            if path.name.startswith(key):
+                path.unlink()
+
+    def forget_set_aside(self) -> None:
+        """Remove the shards that were set aside."""
+        shutil.rmtree(self._set_aside, ignore_errors=True)
+
+    def size(self) -> int:
+        """Bytes in all of its files."""
+        return sum(path.stat().st_size for path in self.path.rglob("*") if path.is_file())
+
+    # -- the rest --------------------------------------------------------------------------
+
+    def checkpoint(self, task: Task, key: str) -> Checkpoint:
+        """Return the checkpoint of a task of one realization."""
+        pressures = hashlib.sha256(task.pressure_array().tobytes()).hexdigest()[:12]
+        return Checkpoint(self._checkpoints / f"{key}-{task.realizations[0]}-{pressures}.npz")
+
+    def write_request(self, request: dict[str, Any]) -> None:
+        """Note what the run was asked for, for ``status``."""
+        commit(json.dumps(request, indent=1).encode(), self.path / "run.json")
+
+    def write_provenance(self, provenance: dict[str, Any]) -> None:
+        """Note where the results file comes from."""
+        commit(json.dumps(provenance, indent=1).encode(), self.path / "provenance.json")
+
+    def request(self) -> dict[str, Any]:
+        """Return what the last run was asked for; empty if nobody knows."""
+        return _json(self.path / "run.json")
+
+    def provenance(self) -> dict[str, Any]:
+        """Return where the results file comes from; empty if nobody knows."""
+        return _json(self.path / "provenance.json")
+
+
+def _json(path: Path) -> dict[str, Any]:
+    with contextlib.suppress(OSError, ValueError):
+        found = json.loads(path.read_bytes())
+        return found if isinstance(found, dict) else {}
+    return {}
+
+
+def _entries(folder: Path) -> list[Path]:
+    try:
+        return list(folder.iterdir())
+    except OSError:
+        return []
+
+
+def _digest(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()[:16]
+
+
+def _read(path: Path) -> Shard:
+    name = _NAME.fullmatch(path.name)
+    if name is None:
+        raise ValueError("is no shard of roughbench")
+    data = path.read_bytes()
+    if _digest(data) != name[3]:
+        raise ValueError("is damaged: its content does not match the checksum in its name")
+    with np.load(io.BytesIO(data), allow_pickle=False) as file:
+        arrays = {key: file[key] for key in file.files}
+    meta = json.loads(arrays.pop(_META).tobytes())
+    if meta["format"] != FORMAT:
+        raise ValueError(f"has the format {meta['format']!r}, not {FORMAT!r}")
+    if key_of(meta["identity"]) != path.parent.name:
+        raise ValueError("belongs to another computation than the folder it is in")
+    pressures = arrays.pop("pressure")
+    shape = {"realization": int(name[2]) - int(name[1]) + 1, "pressure": len(pressures)}
+    for key, values in arrays.items():
+        wanted = tuple(shape[axis] for axis in dimensions(key))
+        if values.shape != wanted or values.dtype not in _DTYPES:
+            raise ValueError(f"{key} has the shape {values.shape}, not {wanted}")
+    if "status" not in arrays:
+        raise ValueError("has no status")
+    return Shard(
+        path,
+        int(name[1]),
+        pressures,
+        arrays,
+        meta["identity"],
+        str(meta["cell"]),
+        dict(meta["usage"]),
+    )

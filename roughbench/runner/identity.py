@@ -1,0 +1,138 @@
+"""What the numbers of a cell depend on, and the key that stands for it.
+
+Two cells with the same identity have the same numbers, to the bit. How many jobs, which
+engine and which machine compute them is no part of it; nor is the number of realizations,
+which may grow. The pressures are for models whose states are cheap. The states of an
+iterative model are kept when pressures are added: those start from other neighbours than
+in one go, and agree within the tolerance.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import inspect
+import json
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+import roughbench.models
+from roughbench.models.base import Model
+from roughbench.runner.plan import Cell
+from roughbench.runner.samples import heights_digest
+from roughbench.spec import FileSurface
+
+Identity = Mapping[str, str | int | float]
+"""Flat: key path in a spec, ``threads`` or ``code`` → value."""
+
+_PACKAGE = Path(roughbench.models.__file__).parents[1]
+_NUMERICS = re.compile(
+    r"\broughbench\.(models\.\w+|surface|spectrum|transform|heights_file)\b", re.ASCII
+)
+_SAMPLES = ("surface", "spectrum", "heights_file", "runner.samples")
+
+
+def identity(cell: Cell, threads: int) -> Identity:
+    """Return what the numbers of a cell depend on.
+
+    Parameters
+    ----------
+    cell : Cell
+    threads : int
+        Of each task; left out for models that do not iterate.
+
+    Returns
+    -------
+    mapping of str to str, int or float
+        Heights from a file count by their content. ``code`` is a digest of the source
+        files that make the numbers, the model's own and those of the surfaces: after a
+        change of one of them nothing computed before is taken for its result.
+
+    Raises
+    ------
+    SurfaceError
+        If heights cannot be read.
+    """
+    model, surface = cell.model, cell.surface
+    options = model.model_dump(by_alias=True, exclude={"label", "realizations", "grid"})
+    values = {f"model.{name}": value for name, value in options.items() if value is not None}
+    given = surface.model_dump(by_alias=True, exclude_none=True, exclude={"path"})
+    if isinstance(surface, FileSurface):
+        given["heights"] = heights_digest(surface)
+    elif model.dimension:
+        values["model.grid"] = model.grid_points(surface.spectrum(), surface.length)
+        values["seed"] = cell.seed
+    else:
+        given.pop("amplitude")
+    values |= {f"surface.{name}": value for name, value in given.items()}
+    if model.iterative:
+        values["threads"] = threads
+    else:
+        values["pressures"] = _in_words(cell)
+    values["code"] = code_digest(type(model))
+    return values
+
+
+def _in_words(cell: Cell) -> str:
+    p = cell.pressures
+    digest = hashlib.sha256(cell.pressure_array().tobytes()).hexdigest()[:8]
+    return f"{len(p)} from {p[0]:g} to {p[-1]:g} ({digest})"
+
+
+def key_of(identity: Identity) -> str:
+    """Return the key of an identity: 20 hexadecimal digits of a SHA-256.
+
+    Examples
+    --------
+    >>> key_of({"seed": 1, "surface.H": 0.7})
+    '7cb1f2e5ee7b13abb33c'
+    """
+    canonical = json.dumps(identity, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(canonical.encode()).hexdigest()[:20]
+
+
+def changes(before: Identity, after: Identity) -> list[str]:
+    """Return what differs between two identities, each with both values.
+
+    Examples
+    --------
+    >>> changes({"surface.H": 0.7, "seed": 1}, {"surface.H": 0.8, "seed": 1})
+    ['surface.H: 0.7 → 0.8']
+    """
+    names = [name for name in {**before, **after} if before.get(name) != after.get(name)]
+    return [
+        f"{name}: {before.get(name, 'unset')} → {after.get(name, 'unset')}" for name in names
+    ]
+
+
+@functools.cache
+def code_digest(model: type[Model]) -> str:
+    """Return a digest of the source files that make a model's numbers, 12 digits."""
+    waiting = [_unit(model.__module__.removeprefix("roughbench."), model)]
+    waiting += [_unit(name, model) for name in _SAMPLES]
+    texts: dict[Path, bytes] = {}
+    while waiting:
+        for path in waiting.pop():
+            if path in texts:
+                continue
+            texts[path] = path.read_bytes()
+            if path.name == "samples.py":  # imports every model
+                continue
+            found = set(_NUMERICS.findall(texts[path].decode()))
+            waiting += [_unit(name, model) for name in sorted(found)]
+    digest = hashlib.sha256()
+    for path in sorted(texts):
+        digest.update(hashlib.sha256(texts[path]).digest())
+    return digest.hexdigest()[:12]
+
+
+def _unit(name: str, model: type[Model]) -> list[Path]:
+    """Return the files of a module, or of the whole package that it stands in."""
+    parts = name.split(".")
+    if parts[0] not in {"models", "runner", "surface", "spectrum", "transform", "heights_file"}:
+        return [Path(inspect.getfile(model))]  # a model from elsewhere
+    folder = _PACKAGE.joinpath(*parts[:2])
+    if folder.is_dir():
+        return sorted(folder.glob("*.py"))
+    return [folder.with_suffix(".py")]

@@ -1,0 +1,247 @@
+"""Tasks on the cores of this machine: one after the other here, or several in processes.
+
+Workers are spawned, not forked: they start without the threads and locks of this
+process. Each has a pipe of its own and shares no lock with anyone, so that one that is
+killed takes nothing with it but its task, which is tried again. They leave signals to
+this process, and end when it does, however it ends: each watches a pipe that only this
+process holds open.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import pickle
+import signal
+import threading
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from multiprocessing import get_context
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+from typing import Any
+
+from roughbench.errors import RoughbenchError
+from roughbench.runner.checkpoint import Checkpoint
+from roughbench.runner.engine import CheckpointOf, Listener, Outcome, carry_out
+from roughbench.runner.plan import Task
+from roughbench.runner.resources import Sharing, memory_of
+
+ATTEMPTS = 3
+"""How often a task is given to a worker before its death is taken for the task's fault."""
+
+_SIGNALS = {signal.SIGINT, signal.SIGTERM}
+
+
+def compute_here(
+    tasks: Sequence[Task], *, checkpoint_of: CheckpointOf, listener: Listener
+) -> None:
+    """Compute tasks one after the other in this process."""
+    for task in tasks:
+
+        def advanced(done: int, task: Task = task) -> None:
+            listener.advanced(task, done)
+
+        listener.ended(task, carry_out(task, checkpoint_of(task), advanced))
+
+
+def compute_in_workers(
+    tasks: Sequence[Task],
+    *,
+    processes: int,
+    sharing: Sharing,
+    checkpoint_of: CheckpointOf,
+    listener: Listener,
+) -> None:
+    """Compute tasks in worker processes, the longest first.
+
+    A task starts when there are a worker, cores and, by estimate, memory for it. If its
+    worker dies, it is tried again, alone if the worker was killed (most likely for its
+    memory), and given up after three attempts.
+
+    Raises
+    ------
+    RoughbenchError
+        If no worker can be started at all.
+    """
+    waiting = sorted(tasks, key=lambda task: -task.work * task.n_states)
+    attempts: dict[Task, int] = {}
+    alone: set[Task] = set()
+    with _crew(processes) as crew:
+        while waiting or crew.busy:
+            for next_one in list(waiting):
+                if _fits(next_one, crew, sharing, alone):
+                    waiting.remove(next_one)
+                    attempts[next_one] = attempts.get(next_one, 0) + 1
+                    crew.give(next_one, checkpoint_of(next_one))
+            for worker in crew.heard():
+                task = worker.task
+                try:
+                    kind, content = worker.pipe.recv()
+                except (EOFError, OSError, pickle.UnpicklingError):
+                    death = crew.bury(worker)
+                    if task is not None and attempts[task] < ATTEMPTS:
+                        listener.said(f"{task}: its worker {death}; trying again")
+                        listener.advanced(task, 0)
+                        waiting.insert(0, task)
+                        alone.add(task)
+                    elif task is not None:
+                        listener.ended(task, Outcome(error=_given_up(task, death)))
+                    continue
+                if kind == "advanced" and task is not None:
+                    listener.advanced(task, content)
+                elif kind == "ended" and task is not None:
+                    worker.task = None
+                    listener.ended(task, content)
+
+
+def _fits(task: Task, crew: _Crew, sharing: Sharing, alone: set[Task]) -> bool:
+    running = [worker.task for worker in crew.workers if worker.task is not None]
+    if not running:
+        return True
+    if len(running) >= crew.size or task in alone or not alone.isdisjoint(running):
+        return False
+    if task.threads + sum(other.threads for other in running) > sharing.most_threads:
+        return False
+    return memory_of(task) + sum(memory_of(other) for other in running) <= sharing.memory
+
+
+def _given_up(task: Task, death: str) -> RoughbenchError:
+    return RoughbenchError(
+        f"{task}: its worker {death}, {ATTEMPTS} times; it was given up. It needs about "
+        f"{memory_of(task) / 1e9:.1f} GB by estimate: if memory ran out, take a smaller grid "
+        "or a larger machine"
+    )
+
+
+# -- workers, from outside ---------------------------------------------------------------
+
+
+@dataclass(slots=True, eq=False)
+class _Worker:
+    process: BaseProcess
+    pipe: Connection
+    task: Task | None = None
+    ready: bool = False
+
+
+class _Crew:
+    """At most ``size`` workers, started when there is something to do for them."""
+
+    def __init__(self, size: int) -> None:
+        self.size = size
+        self.workers: list[_Worker] = []
+        self._context = get_context("spawn")
+        self._watched, self._alive = self._context.Pipe(duplex=False)
+        self._one_was_ready = False
+
+    @property
+    def busy(self) -> list[_Worker]:
+        return [worker for worker in self.workers if worker.task is not None]
+
+    def give(self, task: Task, checkpoint: Checkpoint | None) -> None:
+        """Have an idle worker compute a task, or a new one."""
+        idle = [worker for worker in self.workers if worker.task is None]
+        worker = idle[0] if idle else self._hire()
+        worker.task = task
+        with contextlib.suppress(OSError):  # dead: noticed when it is listened to
+            worker.pipe.send((task, checkpoint))
+
+    def _hire(self) -> _Worker:
+        for _ in range(ATTEMPTS):
+            pipe, theirs = self._context.Pipe()
+            process = self._context.Process(
+                target=_work, args=(theirs, self._watched), daemon=True
+            )
+            with _signals_held_back(), contextlib.suppress(BrokenPipeError):  # dead already
+                process.start()
+                worker = _Worker(process, pipe)
+                self.workers.append(worker)
+                theirs.close()
+                return worker
+        raise RoughbenchError("worker processes die before they start; see the system's log")
+
+    def heard(self) -> Iterator[_Worker]:
+        """Yield the workers that have something to say, or are dead; waits for one."""
+        by_pipe = {worker.pipe: worker for worker in self.workers}
+        for pipe in wait(list(by_pipe)):
+            worker = by_pipe[pipe]  # type: ignore[index]
+            if not worker.ready and worker.pipe.poll():
+                with contextlib.suppress(EOFError, OSError):
+                    worker.pipe.recv()
+                    worker.ready = self._one_was_ready = True
+                    continue
+            yield worker
+
+    def bury(self, worker: _Worker) -> str:
+        """Take a dead worker out; returns how it died."""
+        self.workers.remove(worker)
+        worker.process.kill()  # if it only closed its pipe
+        worker.process.join()
+        worker.pipe.close()
+        code = worker.process.exitcode or 0
+        if code >= 0 and not worker.ready and not self._one_was_ready:
+            raise RoughbenchError(
+                "no worker process could be started; a script that calls run with jobs > 1 "
+                "needs the guard if __name__ == '__main__', or jobs=1"
+            )
+        return f"was killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
+
+    def close(self) -> None:
+        """End all workers at once."""
+        self._alive.close()
+        for worker in self.workers:
+            worker.process.kill()
+        for worker in self.workers:
+            worker.process.join()
+            worker.pipe.close()
+        self._watched.close()
+
+
+@contextlib.contextmanager
+def _crew(size: int) -> Iterator[_Crew]:
+    crew = _Crew(size)
+    try:
+        yield crew
+    finally:
+        with _signals_held_back():
+            crew.close()
+
+
+@contextlib.contextmanager
+def _signals_held_back() -> Iterator[None]:
+    """Hold SIGINT and SIGTERM back; workers started meanwhile inherit that for good.
+
+    One that comes meanwhile is delivered here afterwards.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+# -- workers, from inside ----------------------------------------------------------------
+
+
+def _work(pipe: Connection, watched: Connection) -> None:
+    threading.Thread(target=_end_with_parent, args=(watched,), daemon=True).start()
+
+    def tell(kind: str, content: Any) -> None:
+        pipe.send((kind, content))
+
+    tell("ready", None)
+    while True:
+        try:
+            task, checkpoint = pipe.recv()
+        except (EOFError, OSError):
+            return
+        outcome = carry_out(task, checkpoint, lambda done: tell("advanced", done))
+        tell("ended", outcome.portable())
+
+
+def _end_with_parent(watched: Connection) -> None:
+    """Wait for the end of the pipe, which comes when the parent closes it or is gone."""
+    with contextlib.suppress(EOFError, OSError):
+        watched.recv_bytes()
+    os._exit(1)

@@ -1,0 +1,136 @@
+"""What a run would do, or has done, in words and numbers: for ``run -n`` and ``status``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+
+from roughbench.runner.folder import RunFolder, realizations_of
+from roughbench.runner.plan import Cell, Task
+from roughbench.runner.resources import memory_of
+from roughbench.runner.survey import Stock
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """Realizations of one model that stand alike.
+
+    Attributes
+    ----------
+    model : str
+        Experiment and label, such as ``main/bem``.
+    first, last : int
+        Realizations, counted from 1.
+    reason : str
+        ``done``, ``new``, ``changed: surface.H: 0.7 → 0.8``, …
+    states, done : int
+        How many states there are in all, and how many of them are done.
+    tasks : int
+        How many tasks are to be computed.
+    seconds : float
+        Estimated time of what is missing, on one core.
+    memory : int
+        Estimated bytes that a task needs.
+    """
+
+    model: str
+    first: int
+    last: int
+    reason: str
+    states: int
+    done: int
+    tasks: int
+    seconds: float
+    memory: int
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all of it, for JSON."""
+        return asdict(self)
+
+    def __str__(self) -> str:
+        where = self.model
+        if self.last > 1:
+            numbers = f"{self.first} to {self.last}" if self.last > self.first else self.first
+            where += f", realization{'s' * (self.last > self.first)} {numbers}"
+        if not self.tasks:
+            return f"{where}: {self.reason}"
+        return (
+            f"{where}: {self.reason} ({self.states - self.done} states in {self.tasks} "
+            f"task{'s' * (self.tasks > 1)}, about {self.seconds:.2g} s of one core, "
+            f"{self.memory / 1e9:.1f} GB each)"
+        )
+
+
+def overview(
+    stocks: Sequence[Stock], tasks: Sequence[Task], folder: RunFolder | None
+) -> list[Part]:
+    """Return how the realizations of each model stand, those alike together.
+
+    Parameters
+    ----------
+    stocks : sequence of Stock
+    tasks : sequence of Task
+        What is to be computed.
+    folder : RunFolder or None
+        Where finished states of unfinished curves may be.
+    """
+    planned: dict[Cell, list[Task]] = {}
+    for task in tasks:
+        planned.setdefault(task.cell, []).append(task)
+    parts = []
+    for stock in stocks:
+        own = planned.get(stock.cell, [])
+        reasons = _reasons(stock, own, folder)
+        start = 0
+        for reason, group in groupby(reasons):
+            stop = start + len(list(group))
+            parts.append(_part(stock, range(start, stop), reason, own))
+            start = stop
+    return parts
+
+
+def _part(stock: Stock, rows: range, reason: str, tasks: Sequence[Task]) -> Part:
+    own = [task for task in tasks if task.realizations.start < rows.stop]
+    own = [task for task in own if task.realizations.stop > rows.start]
+    return Part(
+        model=str(stock.cell),
+        first=rows.start + 1,
+        last=rows.stop,
+        reason=reason,
+        states=len(rows) * len(stock.cell.pressures),
+        done=int(np.count_nonzero(stock.collected.known[rows.start : rows.stop])),
+        tasks=len(own),
+        seconds=sum(1e-6 * task.work * task.n_states for task in own),
+        memory=max((memory_of(task) for task in own), default=0),
+    )
+
+
+def _reasons(stock: Stock, tasks: Sequence[Task], folder: RunFolder | None) -> list[str]:
+    known = stock.collected.known
+    n_pressures = known.shape[1]
+    nothing = not known.any()
+    reasons = []
+    for row in known:
+        n = int(np.count_nonzero(row))
+        if n == n_pressures:
+            reasons.append("done")
+        elif n:
+            reasons.append(f"{n_pressures - n} of {n_pressures} pressures are new")
+        else:
+            reasons.append(stock.reason if nothing else "new")
+    for error in stock.damaged:
+        for realization in realizations_of(error.path):
+            if realization < len(reasons) and reasons[realization] != "done":
+                reasons[realization] = f"damaged: {error}"
+    for task in tasks:
+        if folder is not None and len(task.realizations) == 1:
+            done = folder.checkpoint(task, stock.key).done()
+            if done:
+                reasons[task.realizations[0]] = (
+                    f"{done} of {len(task.pressures)} pressures done"
+                )
+    return reasons

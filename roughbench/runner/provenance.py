@@ -1,0 +1,83 @@
+"""Where results come from: what varies between runs, kept apart from the results file."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import subprocess
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from roughbench.runner.survey import Stock
+from roughbench.runner.usage import machine, now
+from roughbench.spec import Spec
+
+
+def provenance(
+    results: bytes, spec: Spec, stocks: Sequence[Stock], command: str
+) -> dict[str, Any]:
+    """Return where a results file comes from: hashes, seeds, machines, versions, times.
+
+    Parameters
+    ----------
+    results : bytes
+        The results file.
+    spec : Spec
+    stocks : sequence of Stock
+    command : str
+
+    Returns
+    -------
+    dict
+        For JSON.
+    """
+    return {
+        "results_sha256": hashlib.sha256(results).hexdigest(),
+        "spec_sha256": spec.sha256,
+        "command": command,
+        "written": now(),
+        "git_commit": _git_commit(),
+        "machine": machine(),
+        "models": {str(stock.cell): _of_model(stock) for stock in stocks},
+    }
+
+
+def _of_model(stock: Stock) -> dict[str, Any]:
+    return {
+        "identity": dict(stock.identity),
+        "key": stock.key,
+        "seed": stock.cell.seed,
+        "threads": stock.threads,
+        "states": stock.cell.n_states,
+        "unconverged": stock.collected.n_unconverged,
+    } | spent(stock.usages)
+
+
+def spent(usages: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Return what tasks took together: seconds summed up, the largest memory, the machines."""
+    machines: dict[str, dict[str, str]] = {}
+    for usage in usages:
+        its = dict(usage["machine"])
+        machines[f"{its.get('host')}: {its.get('cpu')}"] = its
+    return {
+        "tasks": len(usages),
+        "seconds": sum(float(usage["seconds"]) for usage in usages),
+        "cpu_seconds": sum(float(usage["cpu_seconds"]) for usage in usages),
+        "peak_memory": max((int(usage["peak_memory"]) for usage in usages), default=0),
+        "machines": [*machines.values()],
+    }
+
+
+def _git_commit() -> str:
+    """Return the commit of the folder that the run was started in; empty for none."""
+    with contextlib.suppress(OSError, subprocess.SubprocessError):
+        found = subprocess.run(
+            ["git", "rev-parse", "HEAD"],  # noqa: S607
+            capture_output=True,
+            text=True,
+            timeout=5.0,
+            check=False,
+        )
+        if found.returncode == 0:
+            return found.stdout.strip()
+    return ""

@@ -1,0 +1,191 @@
+"""How cores and memory are shared out among tasks."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from roughbench.errors import RoughbenchError
+from roughbench.models.halfspace import HalfSpace
+from roughbench.models.halfspace.memory import available as available_here
+from roughbench.models.halfspace.memory import needed
+from roughbench.runner.plan import Cell, Task
+
+GRID_FOR_ALL_CORES = 1536
+"""Points per side from which one task with all cores beats several with one each."""
+
+_PROCESS = 300 * 2**20
+"""Bytes of a process with its libraries; measured: 260 MB."""
+_PER_POINT = 24
+"""Bytes per point while a surface is made; measured: 23."""
+_FRACTION = 0.8
+_SECONDS_WORTH_PROCESSES = 4.0
+
+_UNITS = {"": 1, "K": 2**10, "M": 2**20, "G": 2**30, "T": 2**40}
+_CGROUP = Path("/sys/fs/cgroup")
+
+
+@dataclass(frozen=True, slots=True)
+class Sharing:
+    """What a run may take.
+
+    Attributes
+    ----------
+    jobs : int or None
+        Tasks at once; None: as many as cores and memory allow.
+    given_threads : int or None
+        Threads of each task; None: see :meth:`threads`.
+    memory : int
+        Bytes that all tasks together may take.
+    cores : int
+    """
+
+    jobs: int | None
+    given_threads: int | None
+    memory: int
+    cores: int
+
+    def threads(self, cell: Cell) -> int:
+        """Return the threads of a cell's tasks.
+
+        As given; with ``jobs`` given, cores / jobs; else all cores for surfaces of 1536²
+        points and more, and one for smaller ones, of which several are computed at once.
+        """
+        if self.given_threads is not None:
+            return self.given_threads
+        if self.jobs is not None:
+            return max(1, self.cores // self.jobs)
+        large = cell.model.dimension == 2 and cell.n_points >= GRID_FOR_ALL_CORES**2
+        return self.cores if large else 1
+
+    @property
+    def most_threads(self) -> int:
+        """Threads that all tasks together may have: the cores, unless told to take more."""
+        return max(self.cores, (self.jobs or 1) * (self.given_threads or 1))
+
+    @property
+    def parts(self) -> int:
+        """Into how many tasks at least to cut long work, so that every core gets some."""
+        return 2 * (self.jobs or self.cores)
+
+    def other_threads(self, cell: Cell) -> list[int]:
+        """Return the numbers of threads that would do as well: none if one was given."""
+        if self.given_threads is not None or not cell.model.iterative:
+            return []
+        return [n for n in range(1, self.cores + 1) if n != self.threads(cell)]
+
+    def processes(self, tasks: Sequence[Task]) -> int:
+        """Return how many processes to compute tasks in; 1 is this one."""
+        if self.jobs is not None:
+            return min(self.jobs, max(1, len(tasks)))
+        seconds = sum(1e-6 * task.work * task.n_states for task in tasks)
+        if seconds < _SECONDS_WORTH_PROCESSES:
+            return 1
+        threads = min((task.threads for task in tasks), default=1)
+        return max(1, min(self.cores // threads, len(tasks)))
+
+
+def sharing(
+    jobs: int | None = None, threads: int | None = None, max_memory: int | str | None = None
+) -> Sharing:
+    """Return what a run may take on this machine.
+
+    Parameters
+    ----------
+    jobs, threads : int, optional
+    max_memory : int or str, optional
+        Bytes, or a text such as ``12G``; default: 80 % of what is available.
+
+    Raises
+    ------
+    RoughbenchError
+        If one of them is no positive number.
+    """
+    for name, value in (("jobs", jobs), ("threads", threads)):
+        if value is not None and value < 1:
+            raise RoughbenchError(f"{name} must be at least 1, got {value}")
+    memory = in_bytes(max_memory) if max_memory is not None else None
+    if memory is None:
+        room = available_memory()
+        memory = int(_FRACTION * room) if room is not None else 2**62
+    return Sharing(jobs, threads, memory, available_cores())
+
+
+def in_bytes(text: int | str) -> int:
+    """Return a number of bytes.
+
+    Raises
+    ------
+    RoughbenchError
+        If it is none.
+
+    Examples
+    --------
+    >>> in_bytes("1.5G"), in_bytes("512 MB"), in_bytes(4096)
+    (1610612736, 536870912, 4096)
+    """
+    found = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*([KMGT]?)(?:i?B)?\s*", str(text), re.IGNORECASE)
+    if found is None or float(found[1]) == 0.0:
+        raise RoughbenchError(f"memory must read like 12G or 800M, got {text!r}")
+    return int(float(found[1]) * _UNITS[found[2].upper()])
+
+
+def memory_of(task: Task) -> int:
+    """Estimate the bytes that a process needs for a task, its libraries included.
+
+    Examples: 0.3 GB for 512² points, 0.5 GB for 2048² (measured: 0.4 and 0.6 GB).
+    """
+    n_points = task.cell.n_points
+    if task.cell.model.dimension == 0:
+        return _PROCESS
+    solver = 0
+    if isinstance(task.cell.model, HalfSpace):
+        solver = needed(n_points, double=task.cell.model.precision == "double")
+    return _PROCESS + max(_PER_POINT * n_points, 8 * n_points + solver)
+
+
+def check_memory(tasks: Sequence[Task], limits: Sharing) -> None:
+    """Refuse tasks that would never get the memory they need.
+
+    Raises
+    ------
+    RoughbenchError
+        Names the largest, and what may be had.
+    """
+    largest = max(tasks, key=memory_of, default=None)
+    if largest is not None and memory_of(largest) > limits.memory:
+        raise RoughbenchError(
+            f"{largest} needs about {memory_of(largest) / 1e9:.1f} GB, and all tasks together "
+            f"may take {limits.memory / 1e9:.1f} GB; allow more with --max-memory, or take a "
+            "smaller grid or a larger machine"
+        )
+
+
+def available_memory() -> int | None:
+    """Return the bytes that can be had, for this machine and the limits of its control group.
+
+    None where the system does not say.
+    """
+    limits = [available_here()]
+    with contextlib.suppress(OSError, ValueError, IndexError):
+        own = Path("/proc/self/cgroup").read_text().split("::", 1)[1].split("\n")[0]
+        group = _CGROUP / own.lstrip("/")
+        for folder in (group, *group.parents):
+            if folder == _CGROUP.parent:
+                break
+            with contextlib.suppress(OSError, ValueError):
+                limit = int((folder / "memory.max").read_text())
+                limits.append(limit - int((folder / "memory.current").read_text()))
+    known = [limit for limit in limits if limit is not None]
+    return max(0, min(known)) if known else None
+
+
+def available_cores() -> int:
+    """Return the number of cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

@@ -1,0 +1,140 @@
+"""Models that misbehave on demand; workers import them from here."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+import roughbench as rb
+from roughbench.models.base import Curve, FloatArray, Model, Sample, Solved, Status
+
+Misdeed = Literal[
+    "none",
+    "unconverged",
+    "nan area",
+    "nan stiffness",
+    "shape",
+    "refuse",
+    "crash",
+    "die",
+    "die once",
+    "wait",
+]
+
+
+class Fake(Model):
+    """Area r + p, separation 1, stiffness inf at the last pressure; misbehaves on demand."""
+
+    dimension: ClassVar[int] = 1
+    title: ClassVar[str] = "Fake"
+
+    kind: Literal["fake"] = "fake"
+    misdeed: Misdeed = "none"
+    flag: bool = True
+    marker: str = ""
+
+    def grid_points(self, spectrum: object, length: float) -> int:
+        del spectrum, length
+        return 128
+
+    def curve(
+        self,
+        sample: Sample,
+        pressures: FloatArray,
+        *,
+        threads: int = 1,
+        solved: Solved | None = None,
+    ) -> Curve:
+        del solved
+        assert sample.heights is not None
+        index = float(np.argmax(sample.heights))
+        shape = pressures.shape
+        if self.misdeed == "refuse":
+            raise rb.SolverError("refused")
+        if self.misdeed == "crash":
+            raise ZeroDivisionError("a fault of the model")
+        if self.misdeed == "die":
+            os.kill(os.getpid(), signal.SIGKILL)
+        if self.misdeed == "die once" and not Path(self.marker).exists():
+            Path(self.marker).touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        if self.misdeed == "wait":
+            time.sleep(60.0)
+        stiffness = np.where(pressures == pressures.max(), np.inf, pressures)
+        curve = Curve(
+            pressure=pressures,
+            area=index + pressures,
+            separation=np.ones(shape),
+            stiffness=stiffness,
+            energy=np.full(shape, np.nan),
+            status=np.zeros(shape, np.int32),
+            area_raw=np.full(shape, 0.5),
+            diagnostics={"threads": np.full(shape, threads), "even": pressures > 1e-3},
+        )
+        if self.misdeed == "unconverged" and index % 2:
+            status = np.array([0, Status.STAGNATED, Status.MAX_ITERATIONS], np.int32)
+            return replace(curve, status=status, area=np.array([index, 1e9, np.nan]))
+        if self.misdeed == "nan area":
+            return replace(curve, area=np.array([np.nan, 0.0, np.inf]))
+        if self.misdeed == "nan stiffness":
+            return replace(curve, stiffness=np.full(shape, np.nan))
+        if self.misdeed == "shape":
+            return replace(curve, energy=np.zeros(2))
+        return curve
+
+
+class Steps(Fake):
+    """Solves pressure by pressure, each from the one before; can be resumed.
+
+    Stops after ``stop`` pressures: a kill, as seen from the file system.
+    """
+
+    stop: int = 10**9
+
+    def curve(
+        self,
+        sample: Sample,
+        pressures: FloatArray,
+        *,
+        threads: int = 1,
+        solved: Solved | None = None,
+    ) -> Curve:
+        return self.resume(sample, pressures, {}, threads=threads, solved=solved)
+
+    def resume(
+        self,
+        sample: Sample,
+        pressures: FloatArray,
+        finished: Mapping[str, NDArray[Any]],
+        *,
+        threads: int = 1,
+        solved: Solved | None = None,
+    ) -> Curve:
+        del threads
+        assert sample.heights is not None
+        area = [*finished.get("area", np.empty(0)).tolist()]
+        value = area[-1] if area else float(sample.heights.max())
+        for pressure in pressures[len(area) :]:
+            if len(area) == self.stop:
+                raise rb.SolverError("killed")
+            value = float(np.sin(value) + pressure)
+            area.append(value)
+            if solved is not None:
+                solved(lambda: {"area": np.array(area)})
+        values = np.array(area)
+        return Curve(
+            pressure=pressures,
+            area=values,
+            separation=values,
+            stiffness=values,
+            energy=values,
+            status=np.zeros(values.shape, np.int32),
+        )
