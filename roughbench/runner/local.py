@@ -16,7 +16,7 @@ import signal
 import threading
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from multiprocessing import get_context
+from multiprocessing import get_context, resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Any
@@ -132,6 +132,7 @@ class _Crew:
         self.size = size
         self.workers: list[_Worker] = []
         self._context = get_context("spawn")
+        resource_tracker.ensure_running()  # it would let signals through while workers start
         self._watched, self._alive = self._context.Pipe(duplex=False)
         self._one_was_ready = False
 
@@ -225,6 +226,8 @@ def _signals_held_back() -> Iterator[None]:
 
 
 def _work(pipe: Connection, watched: Connection) -> None:
+    for number in _SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, args=(watched,), daemon=True).start()
 
     def tell(kind: str, content: Any) -> None:

@@ -27,7 +27,15 @@ Misdeed = Literal[
     "die",
     "die once",
     "wait",
+    "strange",
 ]
+
+
+class StrangeError(Exception):
+    """Cannot be made again from its message, as many foreign ones."""
+
+    def __init__(self, one: int, other: int) -> None:
+        super().__init__(f"{one} and {other}")
 
 
 class Fake(Model):
@@ -67,7 +75,9 @@ class Fake(Model):
             Path(self.marker).touch()
             os.kill(os.getpid(), signal.SIGKILL)
         if self.misdeed == "wait":
-            time.sleep(60.0)
+            time.sleep(0.3)
+        if self.misdeed == "strange":
+            raise StrangeError(1, 2)
         stiffness = np.where(pressures == pressures.max(), np.inf, pressures)
         curve = Curve(
             pressure=pressures,

@@ -1,0 +1,302 @@
+"""Worker processes: what they bring back, how their death is answered, who may start."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import roughbench as rb
+from roughbench.runner import local, resources
+from roughbench.runner.engine import Outcome
+from roughbench.runner.local import compute_here, compute_in_workers
+from roughbench.runner.plan import Cell, Task
+from roughbench.runner.resources import Sharing, check_memory, memory_of, sharing
+from roughbench.spec import load_spec
+from tests.runner.fakes import Fake, Misdeed
+
+PLENTY = Sharing(jobs=2, given_threads=1, memory=2**50, cores=2)
+
+
+@dataclass
+class Spy:
+    """Remembers what it is told, with times."""
+
+    ends: dict[Task, Outcome] = field(default_factory=dict)
+    news: list[tuple[Task, int]] = field(default_factory=list)
+    texts: list[str] = field(default_factory=list)
+    running: int = 0
+    most: int = 0
+
+    def advanced(self, task: Task, done: int) -> None:
+        self.news.append((task, done))
+
+    def ended(self, task: Task, outcome: Outcome) -> None:
+        assert task not in self.ends
+        self.ends[task] = outcome
+
+    def said(self, text: str) -> None:
+        self.texts.append(text)
+
+
+def tasks(
+    small_spec: dict[str, Any], misdeed: Misdeed, n: int = 4, **options: Any
+) -> list[Task]:
+    spec = load_spec(small_spec)
+    model = Fake(misdeed=misdeed, **options)
+    cell = Cell("main", model, spec.surface, spec.pressures, n, spec.seed)
+    return [Task(cell, range(i, i + 1), spec.pressures) for i in range(n)]
+
+
+def worked(given: list[Task], limits: Sharing = PLENTY, processes: int = 2) -> Spy:
+    spy = Spy()
+    compute_in_workers(
+        given, processes=processes, sharing=limits, checkpoint_of=lambda _: None, listener=spy
+    )
+    assert set(spy.ends) == set(given)
+    return spy
+
+
+def test_workers_bring_what_is_computed_here(small_spec: dict[str, Any]) -> None:
+    given = tasks(small_spec, "none")
+    here = Spy()
+    compute_here(given, checkpoint_of=lambda _: None, listener=here)
+    there = worked(given)
+    for task in given:
+        one, other = here.ends[task].block, there.ends[task].block
+        assert one is not None
+        assert other is not None
+        assert {name: values.tolist() for name, values in one.items() if name != "energy"} == {
+            name: values.tolist() for name, values in other.items() if name != "energy"
+        }
+        usage = there.ends[task].usage
+        assert usage is not None
+        assert usage.peak_memory > 10**7
+        assert [done for known, done in there.news if known == task][-1] == 3
+
+
+def test_errors_come_back_with_their_traceback(small_spec: dict[str, Any]) -> None:
+    refused = worked(tasks(small_spec, "refuse", 1)).ends.popitem()[1]
+    assert str(refused.error) == "main/fake: refused"
+    assert isinstance(refused.error, rb.SolverError)
+    crashed = worked(tasks(small_spec, "crash", 1)).ends.popitem()[1]
+    assert isinstance(crashed.error, ZeroDivisionError)
+    assert "fakes.py" in crashed.trace
+    strange = worked(tasks(small_spec, "strange", 1)).ends.popitem()[1]
+    assert isinstance(strange.error, rb.RoughbenchError)
+    assert str(strange.error) == "StrangeError('1 and 2')"
+
+
+def test_the_task_of_a_dead_worker_is_tried_again(
+    small_spec: dict[str, Any], tmp_path: Path
+) -> None:
+    given = tasks(small_spec, "die once", marker=str(tmp_path / "died"))
+    spy = worked(given)
+    assert all(outcome.block is not None for outcome in spy.ends.values())
+    assert len(spy.texts) in (1, 2)  # two may have started before the first one died
+    assert spy.texts[0].endswith("its worker was killed by signal 9; trying again")
+
+
+def test_a_task_that_kills_its_worker_is_given_up_and_the_others_go_on(
+    small_spec: dict[str, Any],
+) -> None:
+    deadly, harmless = tasks(small_spec, "die", 1), tasks(small_spec, "none", 3)
+    spy = worked(deadly + harmless)
+    assert all(spy.ends[task].block is not None for task in harmless)
+    error = spy.ends[deadly[0]].error
+    assert isinstance(error, rb.RoughbenchError)
+    assert str(error).startswith(
+        "main/fake: its worker was killed by signal 9, 3 times; it was given up. It needs about "
+    )
+    assert len(spy.texts) == 2
+
+
+def test_killing_workers_at_random_changes_nothing(small_spec: dict[str, Any]) -> None:
+    given = tasks(small_spec, "wait", 12)
+    stop = threading.Event()
+    victims: list[int] = []
+
+    def kill() -> None:
+        me = os.getpid()
+        while not stop.wait(0.45):
+            for stat in Path("/proc").glob("[0-9]*/stat"):
+                try:
+                    fields = stat.read_text().rpartition(")")[2].split()
+                    command = (stat.parent / "cmdline").read_text()
+                except OSError:
+                    continue
+                if int(fields[1]) == me and "spawn_main" in command and len(victims) < 6:
+                    victims.append(int(stat.parent.name))
+                    os.kill(victims[-1], signal.SIGKILL)
+                    break
+
+    thread = threading.Thread(target=kill)
+    thread.start()
+    try:
+        spy = worked(given)
+    finally:
+        stop.set()
+        thread.join()
+    lost = [outcome for outcome in spy.ends.values() if outcome.block is None]
+    assert victims
+    assert not lost
+
+
+def test_an_error_of_the_listener_ends_everything_at_once(small_spec: dict[str, Any]) -> None:
+    class Full(Spy):
+        def ended(self, task: Task, outcome: Outcome) -> None:
+            raise rb.StoreError("disk full")
+
+    start = time.monotonic()
+    with pytest.raises(rb.StoreError, match="disk full"):
+        compute_in_workers(
+            tasks(small_spec, "wait", 40),
+            processes=2,
+            sharing=PLENTY,
+            checkpoint_of=lambda _: None,
+            listener=Full(),
+        )
+    assert time.monotonic() - start < 10.0
+
+
+def test_a_script_without_a_guard_is_told(tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import roughbench as rb\n"
+        "surface = {'H': 0.7, 'q0': 1.0, 'q1': 32.0, 'slope': 0.1}\n"
+        "models = [{'kind': 'persson'}, {'kind': 'foundation', 'springs': 64}]\n"
+        "rb.run({'surface': surface, 'pressures': [0.1], 'models': models}, jobs=2)\n"
+    )
+    environment = os.environ | {"PYTHONPATH": str(Path(rb.__file__).parents[1])}
+    done = subprocess.run(
+        [sys.executable, script], capture_output=True, text=True, check=False, env=environment
+    )
+    assert done.returncode == 1
+    assert "needs the guard if __name__ == '__main__', or jobs=1" in done.stderr
+
+
+# -- who may start -------------------------------------------------------------------------
+
+
+def most_at_once(given: list[Task], limits: Sharing, processes: int) -> int:
+    """Return the largest number of tasks that were running together."""
+    running: set[Task] = set()
+    most = 0
+    give, ended = local._Crew.give, Spy.ended
+
+    class Counting(Spy):
+        def ended(self, task: Task, outcome: Outcome) -> None:
+            running.discard(task)
+            ended(self, task, outcome)
+
+    def counted(crew: local._Crew, task: Task, checkpoint: Any) -> None:
+        nonlocal most
+        running.add(task)
+        most = max(most, len(running))
+        give(crew, task, checkpoint)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(local._Crew, "give", counted)
+        compute_in_workers(
+            given,
+            processes=processes,
+            sharing=limits,
+            checkpoint_of=lambda _: None,
+            listener=Counting(),
+        )
+    return most
+
+
+def test_memory_cores_and_jobs_limit_how_many_run_at_once(small_spec: dict[str, Any]) -> None:
+    given = tasks(small_spec, "none", 5)
+    room = int(2.5 * memory_of(given[0]))
+    assert most_at_once(given, Sharing(None, None, room, cores=4), 3) == 2
+    assert most_at_once(given, Sharing(None, None, 1, cores=4), 3) == 1
+    wide = [replace(task, threads=2) for task in given]
+    assert most_at_once(wide, Sharing(None, None, 2**50, cores=4), 3) == 2
+    assert most_at_once(given, Sharing(None, None, 2**50, cores=4), 3) == 3
+
+
+def bem(grid: int, **options: Any) -> Task:
+    surface = {"H": 0.7, "q0": 1.0, "q1": 8.0, "slope": 0.1}
+    models = [{"kind": "bem", "grid": grid, **options}]
+    spec = load_spec({"surface": surface, "pressures": [0.1, 0.2], "models": models})
+    cell = Cell("main", spec.models[0], spec.surface, spec.pressures, 4, 0)
+    return Task(cell, range(1), spec.pressures)
+
+
+def test_memory_by_estimate() -> None:
+    # Measured: 0.62 GB for 2048² points near full contact, 0.26 GB for any small grid.
+    assert memory_of(bem(256)) == pytest.approx(0.32e9, rel=0.1)
+    assert memory_of(bem(2048)) == pytest.approx(0.6e9, rel=0.2)
+    assert memory_of(bem(2048, precision="double")) > memory_of(bem(2048))
+
+
+def test_a_task_that_can_never_start_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(resources, "available_memory", lambda: 10**9)
+    limits = sharing()
+    assert limits.memory == 8 * 10**8
+    check_memory([bem(64), bem(2048)], limits)
+    with pytest.raises(rb.RoughbenchError, match=r"needs about 1\..* may take 0\.8 GB; allow"):
+        check_memory([bem(64), bem(4096)], limits)
+    check_memory([bem(4096)], sharing(max_memory="2G"))
+    monkeypatch.setattr(resources, "available_memory", lambda: None)
+    check_memory([bem(4096)], sharing())
+
+
+def test_the_limit_of_a_control_group_counts(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(resources, "available_here", lambda: 10**9)
+    monkeypatch.setattr(resources, "_CGROUP", tmp_path)
+    own = tmp_path
+    for part in Path("/proc/self/cgroup").read_text().split("::")[1].strip().split("/"):
+        own = own / part
+    own.mkdir(parents=True, exist_ok=True)
+    (own / "memory.max").write_text("max\n")
+    assert resources.available_memory() == 10**9
+    (own / "memory.max").write_text("500000000\n")
+    (own / "memory.current").write_text("100000000\n")
+    assert resources.available_memory() == 4 * 10**8
+
+
+@pytest.mark.parametrize(
+    ("jobs", "threads", "small", "large"),
+    [
+        (None, None, (1, 8), (8, 1)),
+        (1, None, (8, 1), (8, 1)),
+        (3, None, (2, 3), (2, 3)),
+        (16, None, (1, 16), (1, 16)),
+        (2, 5, (5, 2), (5, 2)),
+        (None, 3, (3, 2), (3, 2)),
+    ],
+)
+def test_threads_and_processes(
+    monkeypatch: pytest.MonkeyPatch,
+    jobs: int | None,
+    threads: int | None,
+    small: tuple[int, int],
+    large: tuple[int, int],
+) -> None:
+    monkeypatch.setattr(resources, "available_cores", lambda: 8)
+    limits = sharing(jobs, threads)
+    for grid, wanted in ((512, small), (2048, large)):
+        one = bem(grid)
+        given = replace(one, threads=limits.threads(one.cell), cell=replace(one.cell, seed=1))
+        many = [replace(given, realizations=range(i, i + 1)) for i in range(40)]
+        assert (given.threads, limits.processes(many)) == wanted
+
+
+def test_little_work_is_not_worth_a_process(small_spec: dict[str, Any]) -> None:
+    limits = sharing()
+    assert limits.processes(tasks(small_spec, "none", 4)) == 1
+    assert limits.processes([]) == 1
+    assert sharing(jobs=3).processes(tasks(small_spec, "none", 2)) == 2
