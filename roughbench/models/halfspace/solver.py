@@ -263,7 +263,7 @@ class Solver:
             self._restore_load(points, load)
         return Solution(
             load=load,
-            points=points,
+            points=points.in_contact(),
             alpha=alpha,
             energy=energy,
             certificate=certificate,

@@ -82,6 +82,16 @@ class WorkingSet:
         for v in (self.d, self.s, self.y):
             v.fill(0)
 
+    def in_contact(self) -> WorkingSet:
+        """Only the tiles with a point under pressure, and p on them."""
+        p = self.p.reshape(-1, self.tile_size)
+        loaded = p.max(axis=1, initial=0) > 0
+        rows = np.concatenate(([0], np.cumsum(loaded)))[self.rows]
+        kept = _vector(int(rows[-1]) * self.tile_size, self.p.dtype)
+        np.compress(loaded, p, axis=0, out=kept.reshape(-1, self.tile_size))
+        none = np.empty(0, self.p.dtype)
+        return WorkingSet(self.height, rows, self.tiles[loaded], kept, none, none, none, none)
+
     def keep_pressure(self) -> None:
         """Free all vectors but p."""
         self.r = self.d = self.s = self.y = np.empty(0, self.p.dtype)
