@@ -14,7 +14,8 @@ roughbench run configs/smoke.yaml --threads 1 -j 2 -o "$folder/jobs.h5" --quiet
 cmp "$folder/smoke.h5" "$folder/jobs.h5"
 roughbench show "$folder/smoke.h5"
 roughbench show "$folder/smoke.h5" --json > "$folder/smoke.json"
-for json in schema smoke; do python -m json.tool "$folder/$json.json" > "$folder/parsed"; done
+roughbench fit "$folder/smoke.h5" --json --resamples 20 > "$folder/fit.json"
+for json in schema smoke fit; do python -m json.tool "$folder/$json.json" > "$folder/parsed"; done
 roughbench export "$folder/smoke.h5" --csv "$folder/tables" --states
 roughbench plot "$folder/smoke.h5" -o "$folder/figures"
 for suffix in pdf png; do

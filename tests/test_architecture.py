@@ -23,6 +23,7 @@ LAYERS = (
     "spec",
     "ensemble",
     "results",
+    "fits",
     "store",
     "runner",
     "figures",

@@ -32,6 +32,7 @@ COMMANDS = (
     "verify",
     "clean",
     "show",
+    "fit",
     "plot",
     "export",
     "validate",

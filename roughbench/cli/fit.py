@@ -1,0 +1,53 @@
+"""``roughbench fit``: what the curves of a results file say in numbers, with errors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from roughbench.cli.options import debug_option, example, results_argument
+
+
+@click.command(
+    "fit",
+    epilog=example(
+        "roughbench fit quick.h5",
+        "roughbench fit quick.h5 --json | jq '.experiments.main.bem.kappa'",
+    ),
+)
+@results_argument
+@click.option("--json", "as_json", is_flag=True, help="All numbers, as strict JSON.")
+@click.option(
+    "--reference",
+    metavar="LABEL",
+    help="Model that the others are held against; default: the exact solver.",
+)
+@click.option(
+    "--resamples",
+    type=click.IntRange(min=2),
+    default=1000,
+    show_default=True,
+    help="Draws of the realizations for the errors.",
+)
+@debug_option
+def command(results: Path, as_json: bool, reference: str | None, resamples: int) -> None:  # noqa: FBT001
+    """Fit the laws of the paper to the curves of RESULTS.
+
+    Prints κ = (A/A0) E*ξ/p and the range where it holds, the region K ~ p, u0 and p0 of
+    ū = u0 ln(p0/p), exponent and prefactor of the stiffness of few contacts, and the
+    pressures between which each model agrees with the exact one within 10 % and 50 %.
+
+    Errors come from a bootstrap over the realizations. The criteria of all ranges stand in
+    the documentation, docs/fits.md.
+    """
+    from roughbench.cli.fit_tables import as_text, to_json
+    from roughbench.fits import fit
+    from roughbench.store import load
+
+    loaded = load(results)
+    fitted = fit(loaded, reference=reference, resamples=resamples)
+    if as_json:
+        click.echo(to_json(loaded, fitted, reference, resamples))
+    else:
+        click.echo(as_text(loaded, fitted, str(results), reference))

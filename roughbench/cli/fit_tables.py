@@ -1,0 +1,183 @@
+"""Fits as text: tables for people, JSON for programs."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+
+from roughbench.fits import PERCENTS, QUANTITIES, Estimate, reference_of
+from roughbench.results import ModelResult, Results
+
+Fitted = Mapping[str, Mapping[str, Mapping[str, Estimate]]]
+Names = Mapping[str, Estimate]
+
+_WIDTH = 20
+_WORDS = {"area": "A/A0", "separation": "ū", "stiffness": "K"}
+
+
+def as_text(results: Results, fitted: Fitted, source: str, reference: str | None) -> str:
+    """Return tables of all fits.
+
+    Parameters
+    ----------
+    results : Results
+    fitted : mapping
+        What :func:`roughbench.fits.fit` returned for them.
+    source : str
+        Name of the file, for the title.
+    reference : str or None
+        As it was given to it.
+
+    Returns
+    -------
+    str
+    """
+    heading = (
+        f"{source}: {results.name}\n"
+        "value ± error: half of the 68 % interval of a bootstrap over the realizations\n"
+        "≤ ≥: the range goes on beyond the pressures of the results\n"
+        "- : met nowhere; criteria: docs/fits.md"
+    )
+    blocks = [heading]
+    for experiment, models in fitted.items():
+        kept = dict(results[experiment])
+        blocks.append("\n".join([f"== {experiment} ==", *_laws(models)]))
+        label = reference_of(kept, reference)
+        others = [name for name in models if name != label]
+        if label is not None and others:
+            blocks.append("\n".join(_departures(kept, models, others, label)))
+    return "\n\n".join(blocks)
+
+
+def _laws(models: Mapping[str, Names]) -> Iterator[str]:
+    width = max(len(label) for label in models)
+    yield from _table(
+        width,
+        ("A = κ p/(E*ξ): κ", "from p/E*", "to p/E*"),
+        {
+            label: [
+                _cell(names["kappa"]),
+                _cell(names["kappa_from"], "≤"),
+                _cell(names["kappa_to"], "≥"),
+            ]
+            for label, names in models.items()
+        },
+    )
+    yield ""
+    yield from _table(
+        width,
+        ("K ~ p: decades", "from p/E*", "to p/E*", "α = u0/h_rms", "β = p0/E*"),
+        {
+            label: [
+                _cell(names["log_decades"], "≥"),
+                _cell(names["log_from"], "≤"),
+                _cell(names["log_to"], "≥"),
+                _cell(names["alpha"]),
+                _cell(names["beta"]),
+            ]
+            for label, names in models.items()
+        },
+    )
+    if not any(math.isfinite(names["exponent"].value) for names in models.values()):
+        return
+    yield ""
+    expected = [n["exponent_expected"].value for n in models.values() if "theta" in n]
+    law = f" (1/(1+H) = {expected[0]:.3f})" if expected else ""
+    yield f"few contacts, K ~ p^n{law}"
+    missing = Estimate(math.nan, math.nan, math.nan, math.nan, 0.0)
+    yield from _table(
+        width,
+        ("n", "θ of eq. (10)", "θ, realized h_rms"),
+        {
+            label: [
+                _cell(names.get(name, missing))
+                for name in ("exponent", "theta", "theta_realized")
+            ]
+            for label, names in models.items()
+        },
+    )
+
+
+def _departures(
+    results: Mapping[str, ModelResult],
+    models: Mapping[str, Names],
+    others: Sequence[str],
+    reference: str,
+) -> Iterator[str]:
+    yield f"p/E* between which a model agrees with {reference} ({results[reference].title})"
+    width = max(len(label) for label in models)
+    for percent in PERCENTS:
+        for quantity in QUANTITIES:
+            key = f"{quantity}_agrees_{{}}_{percent}"
+            rows = {
+                label: [
+                    _cell(models[label][key.format("from")], "≤"),
+                    _cell(models[label][key.format("to")], "≥"),
+                ]
+                for label in others
+                if key.format("from") in models[label]
+            }
+            if rows:
+                heading = f"{_WORDS[quantity]} within {percent} %: from"
+                yield from _table(width, (heading, "to"), rows)
+
+
+def _table(
+    width: int, headings: Sequence[str], rows: Mapping[str, Sequence[str]]
+) -> Iterator[str]:
+    widths = [max(_WIDTH, len(heading)) for heading in headings]
+    titles = (f"  {heading:<{w}}" for heading, w in zip(headings, widths, strict=True))
+    yield f"{'':{width}}{''.join(titles)}".rstrip()
+    for label, cells in rows.items():
+        texts = (f"  {cell:<{w}}" for cell, w in zip(cells, widths, strict=True))
+        yield f"{label:{width}}{''.join(texts)}".rstrip()
+
+
+def _cell(estimate: Estimate, bound: str = "") -> str:
+    if not math.isfinite(estimate.value):
+        return "-"
+    value = f"{estimate.value:.4g}"
+    if estimate.is_bound and bound:
+        return f"{bound} {value}"
+    return value if math.isnan(estimate.error) else f"{value} ± {estimate.error:.2g}"
+
+
+def to_json(results: Results, fitted: Fitted, reference: str | None, resamples: int) -> str:
+    """Return all fits as strict JSON; what is not defined is null.
+
+    Parameters
+    ----------
+    results : Results
+    fitted : mapping
+    reference : str or None
+    resamples : int
+
+    Returns
+    -------
+    str
+    """
+    content = {
+        "name": results.name,
+        "spec_sha256": results.spec_sha256,
+        "resamples": resamples,
+        "references": {
+            name: reference_of(dict(models), reference) for name, models in results.items()
+        },
+        "experiments": {
+            experiment: {
+                label: {name: _as_json(value) for name, value in names.items()}
+                for label, names in models.items()
+            }
+            for experiment, models in fitted.items()
+        },
+    }
+    return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False)
+
+
+def _as_json(estimate: Estimate) -> dict[str, object]:
+    numbers = {
+        name: value if math.isfinite(value := getattr(estimate, name)) else None
+        for name in ("value", "error", "low", "high", "share")
+    }
+    return numbers | {"is_bound": estimate.is_bound}

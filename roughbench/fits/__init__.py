@@ -1,0 +1,162 @@
+"""What the curves of a results file say in numbers, each with an error.
+
+The laws and their criteria stand in :mod:`roughbench.fits.laws`, and in the page on fits
+of the documentation. Errors come from a bootstrap over the realizations: the whole fit,
+ranges included, is repeated on averages over realizations drawn with replacement.
+
+>>> import roughbench as rb
+>>> from roughbench.fits import fit
+>>> results = rb.run(
+...     {
+...         "surface": {"H": 0.7, "q0": 1.0, "qr": 8.0, "q1": 64.0, "slope": 0.1},
+...         "pressures": {"min": 1e-5, "max": 0.1, "points": 17},
+...         "realizations": 10,
+...         "models": [{"kind": "persson"}, {"kind": "foundation", "springs": 128}],
+...     }
+... )
+>>> fitted = fit(results, reference="persson")["main"]
+>>> round(fitted["persson"]["kappa"].value, 2), fitted["persson"]["kappa"].error
+(1.57, nan)
+>>> fitted["foundation"]["stiffness_agrees_to_50"].value < 1e-3
+True
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roughbench.errors import StoreError
+from roughbench.fits.laws import NEARLY_CLOSED, fit_departures, fit_laws
+from roughbench.fits.resampling import (
+    Estimate,
+    draw_counts,
+    estimate,
+    resampled_means,
+)
+from roughbench.results import ModelResult, Results
+
+__all__ = ["PERCENTS", "QUANTITIES", "RESAMPLES", "Estimate", "fit", "reference_of"]
+
+Fits = dict[str, dict[str, dict[str, Estimate]]]
+"""Experiment → label → name → estimate."""
+
+RESAMPLES = 1000
+QUANTITIES = ("area", "separation", "stiffness")
+PERCENTS = (10, 50)
+
+
+def reference_of(models: dict[str, ModelResult], reference: str | None = None) -> str | None:
+    """Return the label of the model that the others are held against.
+
+    Parameters
+    ----------
+    models : dict of str to ModelResult
+        Of one experiment.
+    reference : str, optional
+        A label; default: the first exact solver.
+
+    Returns
+    -------
+    str or None
+        None if there is no exact solver and none is named.
+
+    Raises
+    ------
+    StoreError
+        If no model has this label.
+    """
+    if reference is not None:
+        if reference not in models:
+            raise StoreError(
+                f"no model is named {reference!r}; choose one of {', '.join(models)}"
+            )
+        return reference
+    return next((label for label, result in models.items() if result.kind == "bem"), None)
+
+
+def fit(
+    results: Results,
+    *,
+    reference: str | None = None,
+    resamples: int = RESAMPLES,
+    seed: int = 0,
+) -> Fits:
+    """Fit the laws of :mod:`roughbench.fits.laws` to every model, with bootstrap errors.
+
+    Parameters
+    ----------
+    results : Results
+    reference : str, optional
+        Label of the model that the others are held against; default: the first ``bem`` of
+        each experiment.
+    resamples : int
+        How often to draw the realizations anew, at least 2.
+    seed : int
+        Of these draws; the same results and seed give the same errors.
+
+    Returns
+    -------
+    dict of str to dict of str to dict of str to Estimate
+        By experiment, label and name. For every model but the reference there are also
+        ``area_agrees_from_10``, ``area_agrees_to_10``, … for area, separation and
+        stiffness, 10 % and 50 %: the ends of the widest range of pressure in which it
+        differs from the reference by less; for the area up to A/A0 = 0.9 of the
+        reference. They are missing where there is no reference, or the pressures differ.
+
+    Raises
+    ------
+    StoreError
+        If no model has the label ``reference``.
+    ValueError
+        If there are fewer than two resamples.
+    """
+    if resamples < 2:
+        raise ValueError(f"an error needs at least 2 resamples, got {resamples}")
+    fitted: Fits = {}
+    for experiment, models in results.items():
+        label = reference_of(dict(models), reference)
+        chosen = models[label] if label is not None else None
+        fitted[experiment] = {
+            name: _fit_model(result, chosen, resamples, seed) for name, result in models.items()
+        }
+    return fitted
+
+
+def _fit_model(
+    result: ModelResult, reference: ModelResult | None, resamples: int, seed: int
+) -> dict[str, Estimate]:
+    pressure = np.asarray(result["pressure"], float)
+    counts = draw_counts(result.n_realizations, resamples, seed)
+    means = {name: resampled_means(result, name, counts) for name in QUANTITIES}
+    heights = np.asarray(result["rms_height"], float)
+    laws = fit_laws(pressure, means, dict(result.attributes), counts @ heights / heights.size)
+    found = {name: estimate(*values) for name, values in laws.items()}
+    if reference is None or reference is result:
+        return found
+    if not np.array_equal(reference["pressure"], pressure):
+        return found
+    others = draw_counts(reference.n_realizations, resamples, seed)
+    for name in QUANTITIES:
+        ours, theirs = _paired(means[name], resampled_means(reference, name, others))
+        open_ = np.ones(pressure.shape, bool)
+        if name == "area":
+            open_ = ~(theirs[0] > NEARLY_CLOSED)
+        for percent in PERCENTS:
+            lower, upper = fit_departures(
+                pressure[open_], ours[:, open_], theirs[:, open_], percent / 100.0
+            )
+            found[f"{name}_agrees_from_{percent}"] = estimate(*lower)
+            found[f"{name}_agrees_to_{percent}"] = estimate(*upper)
+    return found
+
+
+def _paired(
+    one: NDArray[np.float64], other: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Repeat the single row of a model without randomness for all resamples."""
+    count = max(len(one), len(other))
+    return (
+        np.broadcast_to(one, (count, one.shape[1])),
+        np.broadcast_to(other, (count, other.shape[1])),
+    )

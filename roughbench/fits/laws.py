@@ -1,0 +1,188 @@
+r"""The laws of the paper, fitted to averaged curves; for many resamples at once.
+
+==========================  ========================================================
+name                        criterion
+==========================  ========================================================
+``kappa``, ``kappa_from``,  κ = (A/A0) E*ξ/p, geometric mean over the widest range of
+``kappa_to``                pressure (in ln p) on which it stays within ±10 % of one
+                            value, and this range
+``log_from``, ``log_to``,   the widest range on which K/p stays within ±20 % of one
+``log_decades``             value, and its width in decades: the region K ∼ p
+``u0``, ``alpha``,          ū = u0 ln(p0/p), least squares in ln p over the pressures
+``beta``                    of that region; α = u0/h_rms, β = p0/E*
+``exponent``,               n of K ∼ p^n, least squares in ln p over the finite-size
+``exponent_expected``       region, and 1/(1 + H): the pressures below the region K ∼ p
+                            at which K is at least twice as large as p would have it,
+                            and a single contact of this stiffness, of the diameter
+                            K L²/E*, at least as wide as the shortest wave
+``theta``,                  θ of eq. (10), geometric mean over the same pressures, with
+``theta_realized``          the rms height of the spectrum and of the realized heights
+==========================  ========================================================
+
+Ends of ranges are interpolated linearly in ln p. A range holds at least three pressures.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roughbench.fits.windows import straight_line, widest_between, widest_flat
+from roughbench.results import Attribute
+
+FloatArray = NDArray[np.float64]
+Fitted = dict[str, tuple[FloatArray, NDArray[np.bool_] | None]]
+"""Name → values over the resamples, and whether they are bounds."""
+
+AREA_TOLERANCE = 0.1
+STIFFNESS_TOLERANCE = 0.2
+FINITE_SIZE_EXCESS = 2.0
+FEWEST = 3
+NEARLY_CLOSED = 0.9
+"""A/A0 of the reference past which all areas agree, and tell nothing."""
+_SLACK = 1e-9
+
+
+def fit_laws(
+    pressure: FloatArray,
+    means: dict[str, FloatArray],
+    attributes: dict[str, Attribute],
+    realized_height: FloatArray,
+) -> Fitted:
+    """Return the numbers of the table above, over the resamples.
+
+    Parameters
+    ----------
+    pressure : ndarray of float64, shape (P,)
+        p/E*, ascending.
+    means : dict of str to ndarray of float64, shape (B, P)
+        ``area``, ``separation`` (length) and ``stiffness`` (1/length).
+    attributes : dict
+        Of the model's results: ``rms_height``, ``rms_slope``, ``length``; ``hurst``,
+        ``q_rolloff`` and ``q_max`` where they are known.
+    realized_height : ndarray of float64, shape (B,)
+        rms height of the realized heights, length.
+
+    Returns
+    -------
+    dict of str to (ndarray of float64, ndarray of bool or None)
+        Each of shape (B,); nan where the criterion is met nowhere.
+    """
+    x = np.log(pressure)
+    height, slope = float(attributes["rms_height"]), float(attributes["rms_slope"])
+    fitted: Fitted = {}
+    rate = _log(means["area"] * slope / pressure)
+    start, end = _at_least(FEWEST, x, *widest_flat(x, rate, AREA_TOLERANCE))
+    fitted["kappa"] = (np.exp(_mean(rate, _within(x, start, end))), None)
+    at_start, at_end = _reaches(x, start, end)
+    fitted["kappa_from"] = (np.exp(start), at_start)
+    fitted["kappa_to"] = (np.exp(end), at_end)
+
+    rate = _log(means["stiffness"] / pressure)
+    start, end = _at_least(FEWEST, x, *widest_flat(x, rate, STIFFNESS_TOLERANCE))
+    region = _within(x, start, end)
+    at_start, at_end = _reaches(x, start, end)
+    fitted["log_from"] = (np.exp(start), at_start)
+    fitted["log_to"] = (np.exp(end), at_end)
+    fitted["log_decades"] = ((end - start) / math.log(10.0), at_start | at_end)
+    fall, at_zero = straight_line(x, means["separation"], region)
+    fitted["u0"] = (-fall, None)
+    fitted["alpha"] = (-fall / height, None)
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        fitted["beta"] = (np.exp(-at_zero / fall), None)
+
+    excess = rate - _mean(rate, region)[:, None]
+    with np.errstate(invalid="ignore"):
+        few = (x < start[:, None]) & (excess >= math.log(FINITE_SIZE_EXCESS))
+    few &= np.isfinite(rate)
+    side = float(attributes["length"])
+    if "q_max" in attributes:
+        narrowest = 2.0 * math.pi / float(attributes["q_max"]) / side**2
+        few &= means["stiffness"] >= narrowest
+    few &= (few.sum(axis=1) >= FEWEST)[:, None]
+    fitted["exponent"] = (straight_line(x, rate, few)[0] + 1.0, None)
+    if "hurst" in attributes and "q_rolloff" in attributes:
+        share = 1.0 / (1.0 + float(attributes["hurst"]))
+        base = height / (side**2 * float(attributes["q_rolloff"]))
+        fitted["exponent_expected"] = (np.full(1, share), None)
+        law = (1.0 - share) * math.log(base) + share * x - math.log(height)
+        theta = np.exp(_mean(rate + x - law, few))
+        fitted["theta"] = (theta, None)
+        # K h^{1/(1+H)} is what eq. (10) fixes.
+        fitted["theta_realized"] = (theta * (realized_height / height) ** share, None)
+    return fitted
+
+
+def fit_departures(
+    pressure: FloatArray, values: FloatArray, reference: FloatArray, part: float
+) -> tuple[tuple[FloatArray, NDArray[np.bool_]], tuple[FloatArray, NDArray[np.bool_]]]:
+    """Return the ends of the widest range on which two curves differ by less than a part.
+
+    Between the pressures (r − 1)/(r + 1) of their ratio r is taken as linear in ln p,
+    which knows 0 and infinity; where both are 0 or both infinite they agree.
+
+    Parameters
+    ----------
+    pressure : ndarray of float64, shape (P,)
+        p/E*, ascending.
+    values, reference : ndarray of float64, shape (B, P)
+        Non-negative; may be inf.
+    part : float
+        0.1 for 10 % of the reference.
+
+    Returns
+    -------
+    ((ndarray of float64, ndarray of bool), (ndarray of float64, ndarray of bool))
+        Lower and upper end, p/E*, and whether each is a bound, of shape (B,); nan where
+        the curves agree nowhere.
+    """
+    x = np.log(pressure)
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        s = np.where(
+            np.isinf(values) | np.isinf(reference),
+            np.isinf(values).astype(float) - np.isinf(reference),
+            (values - reference) / (values + reference),
+        )
+    s = np.where((values == 0.0) & (reference == 0.0), 0.0, s)
+    s = np.where(np.isnan(values) | np.isnan(reference), math.nan, s)
+    count = s.shape[0]
+    low, high = np.full(count, -part / (2.0 - part)), np.full(count, part / (2.0 + part))
+    start, end = widest_between(x, s, low, high)
+    at_start, at_end = _reaches(x, start, end)
+    return (np.exp(start), at_start), (np.exp(end), at_end)
+
+
+def _reaches(
+    x: FloatArray, start: FloatArray, end: FloatArray
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return which ranges reach the first and the last pressure, rounding forgiven."""
+    with np.errstate(invalid="ignore"):
+        return start <= x[0] + _SLACK, end >= x[-1] - _SLACK
+
+
+def _log(values: FloatArray) -> FloatArray:
+    """Return the logarithm, nan where it is not finite."""
+    known = np.isfinite(values) & (values > 0.0)
+    return np.where(known, np.log(np.where(known, values, 1.0)), math.nan)
+
+
+def _within(x: FloatArray, start: FloatArray, end: FloatArray) -> NDArray[np.bool_]:
+    with np.errstate(invalid="ignore"):
+        return np.asarray((x >= start[:, None] - _SLACK) & (x <= end[:, None] + _SLACK))
+
+
+def _at_least(
+    number: int, x: FloatArray, start: FloatArray, end: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the ranges that hold so many points, nan for the others."""
+    enough = _within(x, start, end).sum(axis=1) >= number
+    return np.where(enough, start, math.nan), np.where(enough, end, math.nan)
+
+
+def _mean(values: FloatArray, chosen: NDArray[np.bool_]) -> FloatArray:
+    """Return the mean over the chosen points, nan where there is none."""
+    number = chosen.sum(axis=1)
+    total = np.where(chosen, values, 0.0).sum(axis=1)
+    return np.asarray(np.where(number > 0, total / np.maximum(number, 1), math.nan))

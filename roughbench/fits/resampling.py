@@ -1,0 +1,118 @@
+"""Averages over resampled realizations: what the errors of the fits come from."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roughbench.results import ModelResult
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A fitted number and what the bootstrap says about it.
+
+    Attributes
+    ----------
+    value : float
+        From all realizations; nan where the criterion is met nowhere.
+    error : float
+        Half the distance of ``low`` and ``high``; nan where they are.
+    low, high : float
+        16 % and 84 % quantiles over the resamples in which it exists; nan without
+        resamples, or where it exists in less than half of them.
+    share : float
+        Share of the resamples in which it exists.
+    is_bound : bool
+        The range goes on to the first or last pressure of the results: a pressure is
+        then a bound only.
+    """
+
+    value: float
+    error: float
+    low: float
+    high: float
+    share: float
+    is_bound: bool = False
+
+
+def draw_counts(n_realizations: int, resamples: int, seed: int) -> FloatArray:
+    """Return how often each realization counts in each resample; in the first, once.
+
+    Equal numbers of realizations get equal counts, so that models on the same surfaces
+    are resampled together.
+
+    Parameters
+    ----------
+    n_realizations, resamples, seed : int
+
+    Returns
+    -------
+    ndarray of float64, shape (1 + resamples, n_realizations)
+        A single row for a single realization.
+    """
+    first = np.ones((1, n_realizations))
+    if n_realizations == 1:
+        return first
+    generator = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(n_realizations,)))
+    drawn = generator.multinomial(
+        n_realizations, np.full(n_realizations, 1.0 / n_realizations), size=resamples
+    )
+    return np.concatenate([first, drawn.astype(float)])
+
+
+def resampled_means(result: ModelResult, name: str, counts: FloatArray) -> FloatArray:
+    """Return the mean over the converged realizations, for each resample.
+
+    Parameters
+    ----------
+    result : ModelResult
+    name : str
+        A variable over (realization, pressure).
+    counts : ndarray of float64, shape (B, R)
+
+    Returns
+    -------
+    ndarray of float64, shape (B, P)
+        inf as soon as one value is; nan where no realization of a resample converged.
+    """
+    values = np.asarray(result[name], float)
+    held = np.asarray(result["status"]) == 0
+    finite = held & np.isfinite(values)
+    number = counts @ held
+    total = counts @ np.where(finite, values, 0.0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = total / np.where(number > 0.0, number, math.nan)
+    infinite = counts @ (held & np.isposinf(values)) > 0.0
+    lost = counts @ (held & np.isnan(values)) > 0.0
+    return np.where(lost, math.nan, np.where(infinite, math.inf, mean))
+
+
+def estimate(values: FloatArray, bounds: NDArray[np.bool_] | None = None) -> Estimate:
+    """Return the estimate from its values over the resamples, the first from all.
+
+    Parameters
+    ----------
+    values : ndarray of float64, shape (B,)
+    bounds : ndarray of bool, shape (B,), optional
+        Whether the value is a bound.
+
+    Returns
+    -------
+    Estimate
+    """
+    value = float(values[0])
+    is_bound = bool(bounds[0]) if bounds is not None and math.isfinite(value) else False
+    drawn = values[1:]
+    found = drawn[np.isfinite(drawn)]
+    share = found.size / drawn.size if drawn.size else float(math.isfinite(value))
+    if found.size < 2 or share < 0.5 or not math.isfinite(value):
+        return Estimate(value, math.nan, math.nan, math.nan, share, is_bound)
+    low, high = np.quantile(found, [0.16, 0.84])
+    error = float(high - low) / 2.0
+    return Estimate(value, error, float(low), float(high), share, is_bound)

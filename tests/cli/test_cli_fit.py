@@ -1,0 +1,106 @@
+"""``roughbench fit``: tables, JSON, refusals."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from click.testing import Result
+
+import roughbench as rb
+from roughbench.cli.fit_tables import to_json
+from roughbench.fits import fit
+
+Invoke = Callable[..., Result]
+
+SPEC = """\
+name: fits
+surface: {H: 0.7, q0: 1.0, qr: 4.0, q1: 32.0, slope: 0.1}
+pressures: {min: 1.0e-7, max: 0.1, points: 25}
+realizations: 8
+seed: 7
+models:
+  - kind: foundation
+    springs: 128
+  - kind: winkler
+    grid: 64
+  - kind: persson
+sweep: {surface.qr: [1.0, 4.0]}
+"""
+
+
+@pytest.fixture
+def fits(folder: Path) -> Path:
+    """Return the results file of the spec above."""
+    (folder / "fits.yaml").write_text(SPEC)
+    rb.run(folder / "fits.yaml", output=folder / "fits.h5", threads=1)
+    return folder / "fits.h5"
+
+
+def test_prints_a_row_for_every_model(fits: Path, invoke: Invoke) -> None:
+    done = invoke("fit", fits, "--reference", "winkler", "--resamples", 20)
+    assert done.exit_code == 0
+    assert done.stderr == ""
+    text = done.stdout
+    for experiment in ("surface.qr=1.0", "surface.qr=4.0"):
+        assert f"== {experiment} ==" in text
+    assert "1/(1+H) = 0.588" in text
+    assert "agrees with winkler" in text
+    found = fit(rb.load(fits), reference="winkler", resamples=20)
+    for models in found.values():
+        for names in models.values():
+            kappa = names["kappa"]
+            if not math.isnan(kappa.value):
+                shown = f"{kappa.value:.4g}"
+                if not math.isnan(kappa.error):
+                    shown += f" ± {kappa.error:.2g}"
+                assert shown in text
+    assert "≤ 1e-07" in text  # Persson's area is proportional down to the first pressure
+    assert "nan" not in text
+
+
+def test_without_an_exact_solver_there_is_nothing_to_leave(fits: Path, invoke: Invoke) -> None:
+    done = invoke("fit", fits, "--resamples", 2)
+    assert done.exit_code == 0
+    assert "agrees with" not in done.stdout
+
+
+def test_json_is_strict_and_complete(fits: Path, invoke: Invoke) -> None:
+    done = invoke("fit", fits, "--json", "--reference", "persson", "--resamples", 20)
+    assert done.exit_code == 0
+
+    def refuse(name: str) -> float:
+        raise AssertionError(f"{name} is no JSON")
+
+    content = json.loads(done.stdout, parse_constant=refuse)
+    assert content["references"] == {"surface.qr=1.0": "persson", "surface.qr=4.0": "persson"}
+    assert content["resamples"] == 20
+    found = fit(rb.load(fits), reference="persson", resamples=20)
+    for experiment, models in found.items():
+        for label, names in models.items():
+            shown = content["experiments"][experiment][label]
+            assert list(shown) == list(names)
+            for name, estimate in names.items():
+                value = shown[name]["value"]
+                assert value == (estimate.value if math.isfinite(estimate.value) else None)
+                assert shown[name]["is_bound"] is estimate.is_bound
+    persson = content["experiments"]["surface.qr=4.0"]["persson"]
+    assert persson["kappa"]["error"] is None
+    assert json.loads(to_json(rb.load(fits), found, "persson", 20)) == content
+
+
+def test_the_same_file_gives_the_same_errors(fits: Path, invoke: Invoke) -> None:
+    one, other = (invoke("fit", fits, "--resamples", 30).stdout for _ in range(2))
+    assert one == other
+
+
+def test_an_unknown_reference_is_refused(fits: Path, invoke: Invoke) -> None:
+    done = invoke("fit", fits, "--reference", "bem")
+    assert done.exit_code == 1
+    assert done.stderr == (
+        "error: no model is named 'bem'; choose one of foundation, winkler, persson\n"
+    )
+    assert invoke("fit", fits, "--resamples", 1).exit_code == 2
