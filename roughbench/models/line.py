@@ -32,7 +32,7 @@ from pydantic import Field
 from roughbench.errors import SolverError
 from roughbench.models._checks import checked_length
 from roughbench.models._grids import chosen_grid
-from roughbench.models.base import Curve, FloatArray, Model, Sample, Solved
+from roughbench.models.base import Curve, FloatArray, Model, Sample, Snapshot, Solved
 from roughbench.spectrum import Spectrum
 
 _PER_WAVE = 16
@@ -115,6 +115,12 @@ class Line(Model):
 
         if sample.heights is None or sample.heights.ndim != 1:
             raise SolverError("the half-plane needs the heights of a line, shape (n,)")
+
+        def one_more(_snapshot: Snapshot | None = None, /) -> None:
+            # A line takes seconds: it is not worth a checkpoint, and offers none.
+            if solved is not None:
+                solved()
+
         return solve_curve(
             sample.heights,
             pressures,
@@ -122,5 +128,5 @@ class Line(Model):
             tolerance=self.tolerance,
             precision=self.precision,
             threads=threads,
-            solved=solved,
+            solved=one_more,
         )

@@ -128,3 +128,12 @@ def test_options_and_refusals() -> None:
         Line(points=30).grid_points(spec, SIDE)
     with pytest.raises(SolverError, match="heights of a line"):
         Line().curve(Sample(np.zeros((4, 4)), 1.0), np.array([1.0]))
+
+
+def test_every_pressure_is_reported_without_a_snapshot() -> None:
+    calls: list[object] = []
+    spec = spectrum(1, 16)
+    sample = Sample(make_profile(spec, 256, SIDE, realization_generator(0, 0)), SIDE, spec)
+    Line().curve(sample, np.array([1e-3, 1e-2]), solved=lambda *given: calls.append(given))
+    assert calls == [(), ()]
+    assert Line().curve(sample, np.array([1e-3])).area.size == 1
