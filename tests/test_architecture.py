@@ -40,6 +40,8 @@ APART = {
 
 OWNERS = {
     "click": {"cli"},
+    "dask_jobqueue": {"runner"},
+    "distributed": {"runner"},
     "h5py": {"heights_file", "store"},
     "matplotlib": {"figures"},
     "numba": {"models"},

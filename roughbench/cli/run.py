@@ -69,6 +69,29 @@ if TYPE_CHECKING:
     help="Compute only this: main/bem, or main/bem:4, its fourth realization; repeatable.",
 )
 @click.option(
+    "--engine",
+    "kind",
+    type=click.Choice(["local", "dask", "slurm"]),
+    default="local",
+    help="Where: on this machine, on a Dask cluster that is running, or in jobs of Slurm.",
+)
+@click.option(
+    "--scheduler", default="", metavar="ADDRESS", help="Of the Dask cluster: tcp://host:8786."
+)
+@click.option(
+    "--scheduler-file", default="", metavar="FILE", help="Of the Dask cluster, instead."
+)
+@click.option(
+    "--workers",
+    type=click.IntRange(min=1),
+    default=4,
+    show_default=True,
+    help="Most jobs of Slurm at a time.",
+)
+@click.option("--walltime", default="01:00:00", show_default=True, help="Of each job of Slurm.")
+@click.option("--partition", default="", help="Of Slurm.")
+@click.option("--account", default="", help="Of Slurm.")
+@click.option(
     "--log-file",
     type=click.Path(path_type=Path),
     help="A second log, as RESULTS.rbrun/run.log.",
@@ -96,12 +119,14 @@ def command(
     computes what is missing. States that do not converge are left out of the averages,
     counted in the file and reported here.
     """
-    from roughbench.runner import preview, run
+    from roughbench.runner import Cluster, preview, run
     from roughbench.spec import load_spec
 
     start = time.monotonic()
     loaded = load_spec(spec, options.pop("overrides"))
     target = output or Path(f"{loaded.name}.h5")
+    engine = {name: options.pop(name) for name in _CLUSTER}
+    cluster = None if engine["kind"] == "local" else Cluster(**engine)
     if dry_run:
         for name in ("keep_going", "log_file"):
             options.pop(name)
@@ -111,12 +136,30 @@ def command(
         click.echo(_total([part.tasks for part in parts], sum(part.seconds for part in parts)))
         return
     with progress_shown(quiet=quiet, verbose=verbose) as progress:
-        results = run(loaded, output=target, progress=progress, command=line or "", **options)
+        results = run(
+            loaded,
+            output=target,
+            progress=progress,
+            cluster=cluster,
+            command=line or "",
+            **options,
+        )
     for text in _unconverged(results):
         click.echo(text, err=True)
     if not quiet:
         click.echo(_summary(results, target, time.monotonic() - start), err=True)
     click.echo(target)
+
+
+_CLUSTER = (
+    "kind",
+    "scheduler",
+    "scheduler_file",
+    "workers",
+    "walltime",
+    "partition",
+    "account",
+)
 
 
 def _total(tasks: list[int], seconds: float) -> str:

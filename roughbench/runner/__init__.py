@@ -7,6 +7,7 @@ jobs, to the last bit.
 
 from __future__ import annotations
 
+from roughbench.runner.cluster import Cluster
 from roughbench.runner.driver import preview, run
 from roughbench.runner.folder import folder_of
 from roughbench.runner.inspection import State, clean, spent_on, status, verify
@@ -17,6 +18,7 @@ from roughbench.runner.resources import available_cores
 from roughbench.runner.samples import make_sample
 
 __all__ = [
+    "Cluster",
     "Part",
     "Progress",
     "Report",

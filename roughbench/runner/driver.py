@@ -13,6 +13,7 @@ from roughbench.publish import check_writable, commit
 from roughbench.results import ModelResult, Results
 from roughbench.runner.assemble import assemble
 from roughbench.runner.checkpoint import Checkpoint
+from roughbench.runner.cluster import Cluster, compute_on_cluster
 from roughbench.runner.engine import Outcome
 from roughbench.runner.folder import RunFolder
 from roughbench.runner.journal import log, log_task, logged_to
@@ -41,6 +42,7 @@ def run(
     only: Sequence[str] = (),
     max_memory: int | str | None = None,
     log_file: str | os.PathLike[str] | None = None,
+    cluster: Cluster | None = None,
     command: str = "",
 ) -> Results:
     """Compute everything that a spec asks for, and is not there already.
@@ -74,6 +76,9 @@ def run(
         what is available.
     log_file : path, optional
         A second log, beside the one in the run directory.
+    cluster : Cluster, optional
+        Compute there; then ``jobs`` and ``max_memory`` mean nothing, and ``threads`` is 1 by
+        default.
     command : str
         How to repeat this run, for messages.
 
@@ -108,6 +113,8 @@ def run(
     [0.01596, 0.15852]
     """
     resolved = load_spec(spec, overrides)
+    if cluster is not None:
+        jobs, threads = None, threads or 1
     limits = sharing(jobs, threads, max_memory)
     if output is not None:
         check_writable(output)
@@ -123,9 +130,8 @@ def run(
             if folder is not None:
                 folder.write_request(_request(resolved, stocks, command))
             tasks = select(stocks, only, parts=limits.parts)
-            check_memory(tasks, limits)
             desk.open(stocks, progress, keep_going=keep_going)
-            _compute(tasks, limits, desk)
+            _compute(tasks, limits, cluster, desk)
             desk.finish()
             results = _results(resolved, stocks)
             if folder is not None:
@@ -184,7 +190,14 @@ def _take_stock(
     return stocks
 
 
-def _compute(tasks: Sequence[Task], limits: Sharing, desk: _Desk) -> None:
+def _compute(
+    tasks: Sequence[Task], limits: Sharing, cluster: Cluster | None, desk: _Desk
+) -> None:
+    if cluster is not None:
+        log.info("%d tasks to compute, on a %s cluster", len(tasks), cluster.kind)
+        compute_on_cluster(tasks, cluster, checkpoint_of=desk.checkpoint, listener=desk)
+        return
+    check_memory(tasks, limits)
     processes = limits.processes(tasks)
     log.info("%d tasks to compute, in %d processes", len(tasks), processes)
     if processes == 1:

@@ -303,7 +303,8 @@ class RunFolder:
     def checkpoint(self, task: Task, key: str) -> Checkpoint:
         """Return the checkpoint of a task of one realization."""
         pressures = hashlib.sha256(task.pressure_array().tobytes()).hexdigest()[:12]
-        return Checkpoint(self._checkpoints / f"{key}-{task.realizations[0]}-{pressures}.npz")
+        name = f"{key}-{task.realizations[0]}-{pressures}.npz"
+        return Checkpoint(self._checkpoints.absolute() / name)
 
     def write_request(self, request: dict[str, Any]) -> None:
         """Note what the run was asked for, for ``status``."""
