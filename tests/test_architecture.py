@@ -48,7 +48,7 @@ OWNERS = {
     "pydantic": {"models", "spec"},
     "pydantic_core": {"spec"},
     "pyfftw": {"transform"},
-    "scipy": {"models"},
+    "scipy": {"models", "observables"},
     "threadpoolctl": {"runner"},
     "tqdm": {"cli"},
     "yaml": {"spec"},

@@ -1,0 +1,149 @@
+"""What the fields of a contact say beyond their averages.
+
+>>> import numpy as np
+>>> import roughbench as rb
+>>> from roughbench.observables import OBSERVABLES, average, of_state
+>>> from roughbench.spectrum import self_affine
+>>> from roughbench.surface import make_surface, realization_generator
+>>> spectrum = self_affine(hurst=0.7, q_min=1, q_rolloff=4, q_max=16, rms_slope=0.1)
+>>> states = []
+>>> for realization in range(3):
+...     generator = realization_generator(1, realization)
+...     heights = make_surface(spectrum, 64, 2 * np.pi, generator)
+...     solved = rb.solve_contact(heights, 0.01, length=2 * np.pi, threads=1)
+...     states.append(of_state(solved, 2 * np.pi, spectrum))
+>>> pressures = average([OBSERVABLES["pressure_pdf"](state) for state in states])
+>>> pressures.count, round(pressures.scalars["mean"][0], 6)  # p/(E* ξ)
+(3, 0.1)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from roughbench.observables.clusters import Patches, clusters, find_patches
+from roughbench.observables.distributions import (
+    gap_pdf,
+    persson_pressure_pdf,
+    persson_pressure_shares,
+    pressure_pdf,
+)
+from roughbench.observables.fields import Average, Field, Profile, average
+from roughbench.observables.spectra import (
+    contact_spectrum,
+    energy_spectrum,
+    exponent,
+    persson_stress_spectrum,
+    stress_spectrum,
+)
+from roughbench.spectrum import Spectrum
+
+__all__ = [
+    "OBSERVABLES",
+    "Average",
+    "Field",
+    "Patches",
+    "Profile",
+    "average",
+    "clusters",
+    "contact_spectrum",
+    "energy_spectrum",
+    "exponent",
+    "find_patches",
+    "gap_pdf",
+    "of_springs",
+    "of_state",
+    "persson_pressure_pdf",
+    "persson_pressure_shares",
+    "persson_stress_spectrum",
+    "pressure_pdf",
+    "stress_spectrum",
+]
+
+OBSERVABLES: dict[str, Callable[[Field], Profile]] = {
+    "pressure_pdf": pressure_pdf,
+    "gap_pdf": gap_pdf,
+    "stress_spectrum": stress_spectrum,
+    "contact_spectrum": contact_spectrum,
+    "clusters": clusters,
+    "energy": energy_spectrum,
+}
+"""Name → function of a field."""
+
+
+class _State(Protocol):
+    @property
+    def pressure(self) -> NDArray[np.float64]: ...
+    @property
+    def gap(self) -> NDArray[np.float64]: ...
+
+
+def of_state(state: _State, length: float, spectrum: Spectrum, modulus: float = 1.0) -> Field:
+    """Return the field of a state that :func:`roughbench.solve_contact` found.
+
+    Parameters
+    ----------
+    state : ContactState
+        Its fields may be those of a line.
+    length : float
+        As it was given to the solver.
+    spectrum : Spectrum
+        Gives the units ξ and h_rms.
+    modulus : float
+        E*, as it was given to the solver.
+
+    Returns
+    -------
+    Field
+    """
+    return Field(
+        pressure=np.asarray(state.pressure, float) / modulus,
+        gap=np.asarray(state.gap, float),
+        length=length,
+        rms_slope=spectrum.rms_slope,
+        rms_height=spectrum.rms_height,
+    )
+
+
+def of_springs(
+    heights: ArrayLike, pressure: float, modulus: float, length: float, spectrum: Spectrum
+) -> Field:
+    """Return the field of independent springs under given heights.
+
+    Parameters
+    ----------
+    heights : array_like of float64, shape (n, m) or (n,)
+        Length; square pixels.
+    pressure : float
+        p/E* > 0.
+    modulus : float
+        k_w/E*, 1/length: of :mod:`roughbench.models.winkler`; 4/(πL) for the foundation.
+    length : float
+        Period along the first axis, length.
+    spectrum : Spectrum
+        Gives the units ξ and h_rms.
+
+    Returns
+    -------
+    Field
+        Its mean pressure is ``pressure``.
+    """
+    from roughbench.models.winkler import winkler_curve
+
+    h = np.asarray(heights, float)
+    curve = winkler_curve(h, [pressure], modulus)
+    # ū = d - ⟨h⟩ + p/k_w
+    level = float(curve.separation[0]) + h.mean() - pressure / modulus
+    overlap = h - level
+    return Field(
+        pressure=modulus * np.maximum(overlap, 0.0),
+        gap=np.maximum(-overlap, 0.0),
+        length=length,
+        rms_slope=spectrum.rms_slope,
+        rms_height=spectrum.rms_height,
+        modulus=modulus,
+    )
