@@ -5,8 +5,8 @@ either the old file or the whole new one, whatever happens in between. The bytes
 on the results alone: no times, no names of machines.
 
 ``/<experiment>/<label>`` holds one model's arrays with dimension scales ``realization``
-and ``pressure``; the root holds ``format``, ``format_version``, ``name``, ``spec``,
-``spec_sha256`` and ``content_sha256``, a checksum of all of it.
+and ``pressure``; the root holds ``format``, ``format_version``, ``name``, ``spec`` and
+``spec_sha256``. Behind the HDF5 file stands the checksum of its bytes.
 """
 
 from __future__ import annotations
@@ -36,6 +36,10 @@ __all__ = ["FORMAT_VERSION", "ModelResult", "Results", "commit", "load", "write_
 
 FORMAT = "roughbench"
 FORMAT_VERSION = 1
+
+_HDF5 = b"\x89HDF\r\n\x1a\n"
+_SEAL = b"\nroughbench-sha256:"
+_SEAL_LENGTH = len(_SEAL) + 65
 
 _DTYPES = tuple(np.dtype(name) for name in ("f4", "f8", "i4", "i8"))
 _REQUIRED = ("pressure", "status")
@@ -89,8 +93,7 @@ def load(path: str | os.PathLike[str]) -> Results:
     if source.is_dir():
         raise StoreError(f"{source}: is a folder; give the results file in it")
     try:
-        if not h5py.is_hdf5(source):
-            raise StoreError(f"{source}: not an HDF5 file; give a roughbench results file")
+        _check_seal(source)
         with h5py.File(source, "r") as file:
             return _read_root(file, source)
     except (OSError, KeyError, RuntimeError, ValueError, TypeError) as error:
@@ -108,38 +111,38 @@ def image(results: Results) -> bytes:
         file.attrs["name"] = results.name
         file.attrs["spec"] = results.spec_text
         file.attrs["spec_sha256"] = results.spec_sha256
-        file.attrs["content_sha256"] = checksum(results)
         for experiment, models in results.experiments.items():
             parent = _create_group(file, experiment)
             for label, result in models.items():
                 _write_model(_create_group(parent, label), result)
         file.flush()
         data: bytes = file.id.get_file_image()
-    return data
+    return seal(data)
 
 
-def checksum(results: Results) -> str:
-    """Return the SHA-256 of everything that :func:`load` returns for a results file.
+def seal(data: bytes) -> bytes:
+    """Return the bytes of an HDF5 file with their checksum behind them.
 
-    HDF5 checks the arrays on its own, but not the names and the attributes.
+    HDF5 ignores what stands there. It checks the arrays on its own, but a damage elsewhere
+    may be read without notice, or make it loop for ever.
     """
-    digest = hashlib.sha256()
+    return data + _SEAL + hashlib.sha256(data).hexdigest().encode() + b"\n"
 
-    def add(*parts: object) -> None:
-        for part in parts:
-            data = part if isinstance(part, bytes) else repr(part).encode()
-            digest.update(b"%d:" % len(data))
-            digest.update(data)
 
-    add(results.name, results.spec_text, results.spec_sha256, [*results.experiments])
-    for experiment, result in results.models():
-        add(experiment, result.label, result.kind, result.title)
-        for name, attribute in sorted(result.attributes.items()):
-            add(name, attribute)
-        for name, values in sorted(result.variables.items()):
-            little = values.astype(values.dtype.newbyteorder("<"), copy=False)
-            add(name, little.dtype.str, values.shape, little.tobytes())
-    return digest.hexdigest()
+def _check_seal(source: Path) -> None:
+    """Refuse a file whose bytes are not those that were written."""
+    data = source.read_bytes()
+    inner = data[:-_SEAL_LENGTH]
+    if data == seal(inner):
+        return
+    if _SEAL in data[-2 * _SEAL_LENGTH :]:
+        raise ValueError("its content does not match its checksum")
+    if data.startswith(_HDF5):
+        raise StoreError(
+            f"{source}: an HDF5 file, but not written by roughbench, or cut short; give a "
+            f"results file of 'roughbench run', or {_RERUN}"
+        )
+    raise StoreError(f"{source}: not an HDF5 file; give a roughbench results file")
 
 
 @contextlib.contextmanager
@@ -227,15 +230,12 @@ def _read_root(file: h5py.File, source: Path) -> Results:
         }
         for experiment, models in _members(file, h5py.Group, source)
     }
-    results = Results(
+    return Results(
         experiments=experiments,
         spec_text=str(file.attrs["spec"]),
         spec_sha256=str(file.attrs["spec_sha256"]),
         name=str(file.attrs["name"]),
     )
-    if checksum(results) != file.attrs["content_sha256"]:
-        raise ValueError("its content does not match its checksum")
-    return results
 
 
 def _members(
