@@ -26,6 +26,7 @@ LAYERS = (
     "fits",
     "store",
     "runner",
+    "observe",
     "figures",
     "__init__",
     "cli",

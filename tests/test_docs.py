@@ -20,6 +20,7 @@ from roughbench.figures import FIGURES
 from roughbench.models import MODELS
 from roughbench.runner import check, plan
 from roughbench.spec import FileSurface, SelfAffineSurface, Spec, load_spec
+from roughbench.spec.fields import SavedFields
 from roughbench.spec.pressures import PressureRange
 
 ROOT = Path(__file__).parents[1]
@@ -197,7 +198,9 @@ def rows(page: str) -> dict[str, str]:
     return found
 
 
-@pytest.mark.parametrize("owner", [Spec, SelfAffineSurface, FileSurface, PressureRange])
+@pytest.mark.parametrize(
+    "owner", [Spec, SelfAffineSurface, FileSurface, PressureRange, SavedFields]
+)
 def test_every_key_of_a_spec_is_documented(owner: Any) -> None:
     page = text_of("docs/spec.md")
     for key, field in owner.model_fields.items():

@@ -33,6 +33,7 @@ COMMANDS = (
     "clean",
     "show",
     "fit",
+    "observe",
     "plot",
     "export",
     "validate",

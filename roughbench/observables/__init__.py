@@ -20,7 +20,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,7 +32,7 @@ from roughbench.observables.distributions import (
     persson_pressure_shares,
     pressure_pdf,
 )
-from roughbench.observables.fields import Average, Field, Profile, average
+from roughbench.observables.fields import Average, Field, Profile, Scales, Units, average
 from roughbench.observables.spectra import (
     contact_spectrum,
     energy_spectrum,
@@ -40,14 +40,16 @@ from roughbench.observables.spectra import (
     persson_stress_spectrum,
     stress_spectrum,
 )
-from roughbench.spectrum import Spectrum
 
 __all__ = [
     "OBSERVABLES",
     "Average",
     "Field",
+    "ObservableName",
     "Patches",
     "Profile",
+    "Scales",
+    "Units",
     "average",
     "clusters",
     "contact_spectrum",
@@ -64,6 +66,9 @@ __all__ = [
     "stress_spectrum",
 ]
 
+ObservableName = Literal[
+    "pressure_pdf", "gap_pdf", "stress_spectrum", "contact_spectrum", "clusters", "energy"
+]
 OBSERVABLES: dict[str, Callable[[Field], Profile]] = {
     "pressure_pdf": pressure_pdf,
     "gap_pdf": gap_pdf,
@@ -82,7 +87,7 @@ class _State(Protocol):
     def gap(self) -> NDArray[np.float64]: ...
 
 
-def of_state(state: _State, length: float, spectrum: Spectrum, modulus: float = 1.0) -> Field:
+def of_state(state: _State, length: float, units: Units, modulus: float = 1.0) -> Field:
     """Return the field of a state that :func:`roughbench.solve_contact` found.
 
     Parameters
@@ -91,8 +96,8 @@ def of_state(state: _State, length: float, spectrum: Spectrum, modulus: float = 
         Its fields may be those of a line.
     length : float
         As it was given to the solver.
-    spectrum : Spectrum
-        Gives the units ξ and h_rms.
+    units : Units
+        ξ and h_rms: a spectrum, or :class:`Scales`.
     modulus : float
         E*, as it was given to the solver.
 
@@ -104,13 +109,13 @@ def of_state(state: _State, length: float, spectrum: Spectrum, modulus: float = 
         pressure=np.asarray(state.pressure, float) / modulus,
         gap=np.asarray(state.gap, float),
         length=length,
-        rms_slope=spectrum.rms_slope,
-        rms_height=spectrum.rms_height,
+        rms_slope=units.rms_slope,
+        rms_height=units.rms_height,
     )
 
 
 def of_springs(
-    heights: ArrayLike, pressure: float, modulus: float, length: float, spectrum: Spectrum
+    heights: ArrayLike, pressure: float, modulus: float, length: float, units: Units
 ) -> Field:
     """Return the field of independent springs under given heights.
 
@@ -124,8 +129,8 @@ def of_springs(
         k_w/E*, 1/length: of :mod:`roughbench.models.winkler`; 4/(πL) for the foundation.
     length : float
         Period along the first axis, length.
-    spectrum : Spectrum
-        Gives the units ξ and h_rms.
+    units : Units
+        ξ and h_rms: a spectrum, or :class:`Scales`.
 
     Returns
     -------
@@ -143,7 +148,7 @@ def of_springs(
         pressure=modulus * np.maximum(overlap, 0.0),
         gap=np.maximum(-overlap, 0.0),
         length=length,
-        rms_slope=spectrum.rms_slope,
-        rms_height=spectrum.rms_height,
+        rms_slope=units.rms_slope,
+        rms_height=units.rms_height,
         modulus=modulus,
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +13,33 @@ from numpy.typing import ArrayLike, NDArray
 from roughbench.errors import SolverError
 
 FloatArray = NDArray[np.float64]
+
+
+class Units(Protocol):
+    """The units of pressures and gaps, as a spectrum has them."""
+
+    @property
+    def rms_slope(self) -> float:
+        """ξ: pressures are in units of E*ξ."""
+
+    @property
+    def rms_height(self) -> float:
+        """h_rms, length: gaps are in units of it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scales:
+    """Units for heights without a spectrum.
+
+    Attributes
+    ----------
+    rms_slope : float
+    rms_height : float
+        Length.
+    """
+
+    rms_slope: float
+    rms_height: float
 
 
 @dataclass(frozen=True, slots=True)

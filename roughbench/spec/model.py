@@ -13,10 +13,14 @@ from pydantic import BaseModel, Discriminator, Field, PrivateAttr, Tag
 from roughbench.models import MODELS
 from roughbench.models.base import Model
 from roughbench.spec import sweep
+from roughbench.spec.fields import Observables, SavedFields
 from roughbench.spec.pressures import PressureRange, Pressures
 from roughbench.spec.surfaces import STRICT, Surface
 from roughbench.spec.tree import freeze
 from roughbench.spec.yaml12 import dump
+
+_NO_CURVES = {"name", "sweep", "observables", "save_fields"}
+"""Keys that the curves of a run do not depend on."""
 
 
 def _model_kind(value: object) -> str | None:
@@ -59,6 +63,14 @@ class Spec(BaseModel):
         default={},
         description="Key path → list of values; every combination is one experiment.",
     )
+    observables: Observables | None = Field(
+        default=None,
+        description="Observables of fields, for roughbench observe; default: none.",
+    )
+    save_fields: SavedFields | None = Field(
+        default=None,
+        description="States whose fields roughbench observe keeps; default: none.",
+    )
 
     _text: str | None = PrivateAttr(default=None)
     _folder: Path = PrivateAttr(default=Path())
@@ -87,9 +99,10 @@ class Spec(BaseModel):
 
     @property
     def sha256(self) -> str:
-        """Hash of what is to be computed; blind to the name, formatting, written defaults.
+        """Hash of the curves to be computed; blind to the name, formatting, written defaults.
 
-        Heights in a file count by the path as written, not by their content.
+        What is asked of the fields besides does not count either. Heights in a file count
+        by the path as written, not by their content.
         """
         canonical = json.dumps(self.resolved(), sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(canonical.encode()).hexdigest()
@@ -101,9 +114,7 @@ class Spec(BaseModel):
     def resolved(self) -> dict[str, Any]:
         """Return the tree of each experiment with all defaults, without the name."""
         return {
-            name: _listed(
-                spec.model_dump(by_alias=True, exclude_none=True, exclude={"name", "sweep"})
-            )
+            name: _listed(spec.model_dump(by_alias=True, exclude_none=True, exclude=_NO_CURVES))
             for name, spec in self.experiments()
         }
 

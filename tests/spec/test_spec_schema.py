@@ -36,6 +36,8 @@ def test_the_keys_are_those_of_the_yaml() -> None:
         "seed",
         "models",
         "sweep",
+        "observables",
+        "save_fields",
     ]
     assert schema["required"] == ["surface", "pressures", "models"]
     surface = schema["$defs"]["SelfAffineSurface"]

@@ -1,0 +1,39 @@
+"""What a spec asks of the fields of a contact: observables, and states to keep."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import AfterValidator, BaseModel, Field
+from pydantic_core import PydanticCustomError
+
+from roughbench.observables import ObservableName
+from roughbench.spec.pressures import PressureList
+from roughbench.spec.surfaces import STRICT
+
+
+def _once(values: tuple[str | int, ...]) -> tuple[str | int, ...]:
+    for number, value in enumerate(values):
+        if value in values[:number]:
+            raise PydanticCustomError(
+                "child",
+                "{value} stands there already; remove it",
+                {"value": value, "part": number},
+            )
+    return values
+
+
+Observables = Annotated[tuple[ObservableName, ...], Field(min_length=1), AfterValidator(_once)]
+
+
+class SavedFields(BaseModel):
+    """States whose pressure and gap ``roughbench observe`` keeps and draws."""
+
+    model_config = STRICT
+
+    pressures: PressureList = Field(description="Pressures p/E*; need not be among the spec's.")
+    realizations: Annotated[
+        tuple[Annotated[int, Field(ge=0, description="A realization, from 0.")], ...],
+        Field(min_length=1),
+        AfterValidator(_once),
+    ] = Field(default=(0,), description="Realizations, from 0; default: the first.")
