@@ -98,7 +98,9 @@ def test_a_contact_map_is_white_where_nothing_touches(count: int) -> None:
     panels = [axes for axes in figure.axes if axes.get_images()][:count]
     assert len(panels) == count
     image = panels[0].get_images()[0]
-    values: NDArray[np.float64] = np.ma.filled(image.get_array(), math.nan)
+    shown = image.get_array()
+    assert shown is not None
+    values: NDArray[np.float64] = np.ma.filled(shown, math.nan)
     np.testing.assert_array_equal(np.isnan(values), pressure == 0.0)
     assert values[2, 5] == pytest.approx(0.5)
     assert image.get_clim() == (0.0, 1.0)
