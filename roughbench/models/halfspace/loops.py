@@ -380,6 +380,52 @@ def boundary_edges(a, b, height, rows, tiles, p, scratch):
     return contact, edges
 
 
+@_loop
+def direct_sum(
+    a, b, height, tops, lefts, source_rows, source_columns, values, n, m, shift, table, image
+):
+    """``image`` on tiles a … b = Σ values G over the source points.
+
+    ``tops`` and ``lefts`` are the first grid rows and columns of the tiles. Entry (k, i, j)
+    of ``table`` is G at i rows and 8k + j − ``shift`` columns from its source.
+    """
+    size = height * TILE
+    for tile in range(a, b):
+        total = image[tile * size : (tile + 1) * size]
+        total[:] = 0
+        for source in range(values.size):
+            value = values[source]
+            column = lefts[tile] - source_columns[source] + shift
+            if column < 0:
+                column += m
+            elif column >= m:
+                column -= m
+            strip = table[column // TILE]
+            c = np.uint64(column % TILE)
+            for i in range(height):
+                offset = abs(tops[tile] + i - source_rows[source])
+                if offset >= n:
+                    offset -= n
+                row = strip[min(offset, n - offset)]
+                k = np.uint64(i * TILE)
+                for e in range(_TILE):
+                    total[k + e] += value * row[c + e]
+
+
+@_loop
+def tile_tops(a, b, height, heights, highest):
+    """``highest`` = largest height of each tile."""
+    n, m = heights.shape
+    for tile_row in range(a, b):
+        top = highest[tile_row]
+        top[:] = -np.inf
+        for i in range(tile_row * height, min((tile_row + 1) * height, n)):
+            row = heights[i]
+            for tile in range(top.size):
+                for j in range(tile * TILE, min((tile + 1) * TILE, m)):
+                    top[tile] = max(top[tile], row[j])
+
+
 # -- one iteration of the relaxation, in this order ------------------------------------------
 
 
@@ -593,8 +639,12 @@ def trial_load(a, b, size, p, d, tau):
 
 
 @_loop
-def trial_step(a, b, height, rows, tiles, one, p, r, alpha, d, tau, scale, count, s, field):
-    """Step s to a trial pressure near p + τd that is nowhere negative; also on ``field``.
+def trial_step(
+    a, b, height, rows, tiles, one, p, r, alpha, d, tau, scale, count, s, dense, field
+):
+    """Step s to a trial pressure near p + τd that is nowhere negative.
+
+    If ``dense``, the step is also written to ``field``.
 
     Within each tile the pressures that p + τd leaves positive are lowered by the same
     amount (and the rest of the excess in proportion), so that the tile's load is
@@ -609,7 +659,7 @@ def trial_step(a, b, height, rows, tiles, one, p, r, alpha, d, tau, scale, count
     for tile_row in range(a, b):
         i0 = tile_row * height
         rows_here = min(height, n - i0)
-        if (rows[tile_row + 1] - rows[tile_row]) * TILE < m:
+        if dense and (rows[tile_row + 1] - rows[tile_row]) * TILE < m:
             for i in range(i0, i0 + rows_here):
                 field[i, :] = 0
         for tile in range(rows[tile_row], rows[tile_row + 1]):
@@ -617,8 +667,9 @@ def trial_step(a, b, height, rows, tiles, one, p, r, alpha, d, tau, scale, count
             j = tiles[tile] * TILE
             width = min(TILE, m - j)
             if count[tile_row, tiles[tile]] == 0:
-                for i in range(rows_here):
-                    field[i0 + i, j : j + width] = zero
+                if dense:
+                    for i in range(rows_here):
+                        field[i0 + i, j : j + width] = zero
                 s[base : base + size] = zero
                 continue
             p_here, r_here = p[base : base + size], r[base : base + size]
@@ -646,14 +697,17 @@ def trial_step(a, b, height, rows, tiles, one, p, r, alpha, d, tau, scale, count
                 lost += one if (pressure > 0) & (trial <= 0) else zero
             slope += slope_here
             clipped += lost
-            for i in range(rows_here):
+            for i in range(rows_here if dense else 0):
                 _copy(s, base + i * TILE, field[i0 + i], j, width)
     return slope, clipped
 
 
 @_loop
-def gather_step(a, b, height, rows, tiles, one, field, p, r, s, y):
-    """y = field on the working set; returns Σsy, and over p > 0 the number, Σr and Σy."""
+def gather_step(a, b, height, rows, tiles, one, dense, field, p, r, s, y):
+    """Return Σsy, and over p > 0 the number of points, Σr and Σy.
+
+    If ``dense``, y is first taken over from ``field``.
+    """
     n, m = field.shape
     size = height * TILE
     zero = one - one
@@ -664,7 +718,7 @@ def gather_step(a, b, height, rows, tiles, one, field, p, r, s, y):
         for tile in range(rows[tile_row], rows[tile_row + 1]):
             base = tile * size
             j = tiles[tile] * TILE
-            for i in range(rows_here):
+            for i in range(rows_here if dense else 0):
                 _copy(field[i0 + i], j, y, base + i * TILE, min(TILE, m - j))
             p_here, r_here = p[base : base + size], r[base : base + size]
             s_here, y_here = s[base : base + size], y[base : base + size]

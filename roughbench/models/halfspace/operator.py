@@ -57,6 +57,12 @@ class HalfSpaceOperator:
         """field ← S field: pressure of zero mean from displacement."""
         self._apply(self._stiffness, 1)
 
+    def unit_response(self) -> None:
+        """field ← G in real space: displacement by a unit pressure on the first point."""
+        self.field[...] = 0.0
+        self.field[0, 0] = 1.0
+        self.displace()
+
     def _apply(self, factor: np.floating, exponent: int) -> None:
         self.transform.forward()
         self.team.run(

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from roughbench.models.halfspace import loops
+from roughbench.models.halfspace.direct import DirectOperator
 from roughbench.models.halfspace.operator import HalfSpaceOperator, stiffness_stencil
 from roughbench.models.halfspace.preconditioner import CellSolver
 from roughbench.models.halfspace.working_set import WorkingSet
@@ -50,9 +51,17 @@ class Relaxation:
         self._one = self.dtype.type(1)
         self._patience = PATIENCE_LINE if shape[0] == 1 else PATIENCE
         self._step_guess = FIRST_STEP
+        # The direct sum where it may be used, and where it is used in this iteration.
+        self._near: DirectOperator | None = None
+        self._direct: DirectOperator | None = None
 
     def minimise(
-        self, points: WorkingSet, total: float, target: float, max_iterations: int
+        self,
+        points: WorkingSet,
+        total: float,
+        target: float,
+        max_iterations: int,
+        direct: DirectOperator | None = None,
     ) -> tuple[int, bool]:
         r"""Lower ½⟨p·Gp⟩ − ⟨p·h⟩ over p ≥ 0, Σp = ``total``, on ``points``, in place.
 
@@ -84,6 +93,8 @@ class Relaxation:
         target : float
             Largest Σp|ρ|/Σp to stop at; −min ρ may be ``PENETRATION_SLACK`` times more.
         max_iterations : int
+        direct : DirectOperator, optional
+            Applies G, instead of transforms.
 
         Returns
         -------
@@ -93,7 +104,7 @@ class Relaxation:
         number = self.dtype.type
         w = points
         blocks, tiles = self.team.split(w.rows)
-        self._open(w)
+        self._open(w, direct)
         self._step_guess = FIRST_STEP
         n_contact, sum_r = self.team.sum(
             loops.contact_sums, tiles, w.tile_size, self._one, w.p, w.r
@@ -128,6 +139,7 @@ class Relaxation:
             n_free, sum_z, sum_rho, sum_y, sum_d, z_rho, z_y = self._precondition(
                 w, blocks, alpha
             )
+            self._choose_operator(w, int(n_free))
             mean_z = sum_z / n_free
             power = z_rho - mean_z * sum_rho
             # ρ changed by length·y on the points that were free before.
@@ -145,11 +157,18 @@ class Relaxation:
         w.keep_pressure()
         return iteration, reached
 
-    def _open(self, w: WorkingSet) -> None:
+    def _open(self, w: WorkingSet, direct: DirectOperator | None) -> None:
         """Start on a working set from zero."""
-        self.cells.count[:] = 0
-        self.cells.force[:] = 0
+        self.cells.open(w, few=direct is not None)
+        self._near = direct
+        self._choose_operator(w, w.n_contact)
         w.open_workspace()
+
+    def _choose_operator(self, w: WorkingSet, n_sources: int) -> None:
+        """Sum directly over this many points, or transform: whichever is cheaper."""
+        direct = self._near
+        pays = direct is not None and direct.pays(n_sources, w.tiles.size)
+        self._direct = direct if pays else None
 
     def _precondition(
         self, w: WorkingSet, blocks: loops.Blocks, alpha: float
@@ -210,14 +229,16 @@ class Relaxation:
                     blocks,
                     *w.layout,
                     *(self._one, w.p, w.r, offset, w.d),
-                    *(number(tau), number(total / trial), self.cells.count, w.s, field),
+                    *(number(tau), number(total / trial), self.cells.count, w.s),
+                    *(self._direct is None, field),
                 )
                 if not slope < 0.0:
                     break
-                self.operator.displace()
-                curvature, n_contact, sum_r, sum_y = self.team.sum(
-                    loops.gather_step, blocks, *w.layout, self._one, field, w.p, w.r, w.s, w.y
-                )
+                if self._direct is None:
+                    self.operator.displace()
+                else:
+                    self._direct.apply(w, w.s, w, w.y)
+                curvature, n_contact, sum_r, sum_y = self._image_sums(w, blocks, w.s)
                 if not 0.0 < curvature < math.inf:
                     return None
                 exact = -slope / curvature
@@ -235,7 +256,11 @@ class Relaxation:
         return None
 
     def tangent(
-        self, points: WorkingSet, tolerance: float, max_iterations: int = 500
+        self,
+        points: WorkingSet,
+        tolerance: float,
+        max_iterations: int = 500,
+        direct: DirectOperator | None = None,
     ) -> tuple[float, NDArray[Any], int]:
         r"""Solve G x = const on the contact, x = 0 off it, Σx = number of grid points.
 
@@ -251,6 +276,8 @@ class Relaxation:
         tolerance : float
             Relative error of the compliance, about.
         max_iterations : int
+        direct : DirectOperator, optional
+            Applies G, instead of transforms.
 
         Returns
         -------
@@ -262,7 +289,7 @@ class Relaxation:
         w = points
         size = self.operator.field.size
         blocks, tiles = self.team.split(w.rows)
-        self._open(w)
+        self._open(w, direct)
         # Off the contact r is out of reach for α, so these points are never free.
         self.team.run(loops.mark_contact, tiles, w.tile_size, w.p, number(1), w.r)
         self._split_residual(w, blocks, 0.0, 0.0)
@@ -325,11 +352,22 @@ class Relaxation:
         self, w: WorkingSet, blocks: loops.Blocks, x: NDArray[Any]
     ) -> NDArray[np.float64]:
         """y = G x on the tiles; returns Σxy, and over the contact its size, Σr and Σy."""
-        field = self.operator.field
-        self.team.run(loops.scatter, blocks, *w.layout, x, field)
-        self.operator.displace()
+        if self._direct is None:
+            self.team.run(loops.scatter, blocks, *w.layout, x, self.operator.field)
+            self.operator.displace()
+        else:
+            self._direct.apply(w, x, w, w.y)
+        return self._image_sums(w, blocks, x)
+
+    def _image_sums(
+        self, w: WorkingSet, blocks: loops.Blocks, x: NDArray[Any]
+    ) -> NDArray[np.float64]:
+        """Take y over from the field where transforms put it; sums as of :meth:`_image`."""
         return self.team.sum(
-            loops.gather_step, blocks, *w.layout, self._one, field, w.p, w.r, x, w.y
+            loops.gather_step,
+            blocks,
+            *w.layout,
+            *(self._one, self._direct is None, self.operator.field, w.p, w.r, x, w.y),
         )
 
     def count_edges(self, w: WorkingSet) -> tuple[float, float]:

@@ -4,16 +4,20 @@ Minimise ½⟨p·Gp⟩ − ⟨p·h⟩ over p ≥ 0 with ⟨p⟩ = p̄. The optim
 p ≥ 0, gap g = Gp − h − α ≥ 0 and p·g = 0; for heights of zero mean the mean separation
 is ū = −α.
 
-Two nested loops. The *outer* one computes the gap everywhere, in float64 from the
-pressure alone (one transform pair); that either certifies the state or lists the
-*working set*: the points under pressure and those whose gap is negative. The *inner*
-one (:mod:`.relaxation`) minimises over the pressures of the working set, by default in
-float32: the residual it starts from is exact, so its rounding errors shrink with it.
+Two nested loops. The *outer* one surveys the gap everywhere, in float64 from the
+pressure alone; that either certifies the state or lists the *working set*: the points
+under pressure and those whose gap is negative. The *inner* one (:mod:`.relaxation`)
+minimises over the pressures of the working set, by default in float32: the residual it
+starts from is exact, so its rounding errors shrink with it.
+
+Either applies G by a transform pair, or, where few points carry pressure, by a direct
+sum (:mod:`.direct`).
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,9 +25,10 @@ from numpy.typing import DTypeLike, NDArray
 
 from roughbench.models.base import Status
 from roughbench.models.halfspace import loops
+from roughbench.models.halfspace.direct import DirectOperator
 from roughbench.models.halfspace.operator import HalfSpaceOperator
 from roughbench.models.halfspace.relaxation import PENETRATION_SLACK, Relaxation
-from roughbench.models.halfspace.working_set import WorkingSet, tile_grid
+from roughbench.models.halfspace.working_set import WorkingSet, tile_grid, tile_height
 
 FLOAT32_FLOOR = 2e-7
 """Tolerances below this are iterated in float64 from the start."""
@@ -33,6 +38,9 @@ AIM_FLOOR = 1e-11
 
 TANGENT_TOLERANCE = 1e-5
 """Relative change of the stiffness in the last iteration of the tangent problem."""
+
+FEW = 5e-4
+"""Share of points under pressure from which on a direct sum is not considered."""
 
 PERIMETER_FACTOR = (math.pi - 1.0 + math.log(2.0)) / 24.0
 
@@ -66,6 +74,29 @@ class Certificate:
             and self.penetration <= PENETRATION_SLACK * tolerance
             and self.load_error <= max(tolerance, 1e-12)
         )
+
+
+@dataclass(slots=True)
+class Survey:
+    """What a pressure leads to, in float64.
+
+    Attributes
+    ----------
+    alpha, energy, mass : float
+        α = Σp(u − h)/Σp, ½⟨pu⟩ and Σp.
+    moment, lowest : float
+        Σp|g|, and the most negative gap of all points.
+    fill : callable
+        Makes the next working set, of a precision: tiles with pressure or negative gap,
+        p carried over and r = gap.
+    """
+
+    alpha: float
+    energy: float
+    mass: float
+    moment: float
+    lowest: float
+    fill: Callable[[DTypeLike], WorkingSet]
 
 
 @dataclass(slots=True)
@@ -126,6 +157,8 @@ class Solver:
             self.exact = HalfSpaceOperator(heights.shape, np.float64, self.team)
         else:
             self.exact = self._relaxation(double=True).operator
+        self._direct: DirectOperator | None = None
+        self._tops: NDArray[np.float64] | None = None
         # h = scale (heights − mean), the dimensionless heights of the loops
         self._h = (heights, 1.0 / self.rms if self.rms > 0 else 0.0, self.mean)
         # Contact is exactly full from p̄ = −min σ_fc on.
@@ -167,24 +200,48 @@ class Solver:
         That modulus, ½E*M_1/M_0, gives the springs the elastic energy of full contact.
         """
         modulus = 2.0 * self.full_energy
-        # Newton's method from below: the overlap is convex and falls with the plane, and
-        # at −p̄/k it is too large.
-        plane = -load / modulus
-        for _ in range(100):
-            overlap, count = self.team.sum(loops.overlap_sums, self._even, *self._h, plane)
-            excess = modulus * overlap / self.size - load
-            if excess <= 1e-9 * load:
-                break
-            plane += excess * self.size / (modulus * count)
-        self.exact.field[...] = 0.0
-        dtype = self._relaxation(double=False).dtype
         shape = self.heights.shape
-        none = WorkingSet.on(shape, np.zeros(tile_grid(shape), np.uint8), dtype)
-        chosen, _, _ = self._choose(none, -plane)
-        points = self._fill(none, -plane, chosen, dtype)
-        np.maximum(-points.r, 0, out=points.p)
+        dtype = self._relaxation(double=False).dtype
+        points = self._overlap_of_few(load, modulus)
+        if points is None:
+            # Newton's method from below: the overlap is convex and falls with the plane,
+            # and at −p̄/k it is too large.
+            plane = -load / modulus
+            for _ in range(100):
+                overlap, count = self.team.sum(loops.overlap_sums, self._even, *self._h, plane)
+                excess = modulus * overlap / self.size - load
+                if excess <= 1e-9 * load:
+                    break
+                plane += excess * self.size / (modulus * count)
+            self.exact.field[...] = 0.0
+            none = WorkingSet.on(shape, np.zeros(tile_grid(shape), np.uint8), dtype)
+            chosen, _, _ = self._choose(none, -plane)
+            points = self._fill(none, -plane, chosen, dtype)
+            np.maximum(-points.r, 0, out=points.p)
         self._restore_load(points, load)
         return points
+
+    def _overlap_of_few(self, load: float, modulus: float) -> WorkingSet | None:
+        """Overlap max(h − d, 0) that carries the load, if the highest tiles suffice."""
+        tops = self._tile_tops()
+        n_tiles = max(64, tops.size // 64)
+        if n_tiles >= tops.size:
+            return None
+        floor = float(np.partition(tops, tops.size - n_tiles, axis=None)[-n_tiles])
+        chosen = (tops >= floor).view(np.uint8)
+        points = WorkingSet.on(self.heights.shape, chosen, np.float64)
+        heights = self._heights_on(points)
+        plane = floor  # no other tile reaches it; Newton's method from there
+        for _ in range(100):
+            overlap = np.maximum(heights - plane, 0.0)
+            excess = modulus * float(overlap.sum()) / self.size - load
+            if excess < 0.0 and plane == floor:
+                return None
+            if excess <= 1e-9 * load:
+                break
+            plane += excess * self.size / (modulus * np.count_nonzero(overlap))
+        points.p = overlap.astype(self._relaxation(double=False).dtype)
+        return points.in_contact()
 
     def predict(
         self, solved: float, points: WorkingSet, rate: NDArray[np.floating], load: float
@@ -223,24 +280,23 @@ class Solver:
         double = not self._use_single
         previous_error = math.inf
         while True:
-            alpha, energy, mass = self._displace(points)
-            chosen, moment, lowest = self._choose(points, alpha)
+            survey = self._survey_directly(points) or self._survey(points)
             certificate = Certificate(
-                complementarity=float(moment / mass),
-                penetration=-float(lowest),
-                load_error=float(abs(mass / total - 1.0)),
+                complementarity=float(survey.moment / survey.mass),
+                penetration=-float(survey.lowest),
+                load_error=float(abs(survey.mass / total - 1.0)),
             )
             error = max(
                 certificate.complementarity, certificate.penetration / PENETRATION_SLACK
             )
-            if not math.isfinite(error + mass):
+            if not math.isfinite(error + survey.mass):
                 status = Status.NOT_FINITE
                 break
             converged = certificate.holds(self.tolerance)
             if converged:
                 # Near full contact the whole gap is smaller than the tolerance: aim at
                 # 1 % of its mean, so that stiffness and area mean something there.
-                aim = min(self.tolerance, max(-0.01 * alpha, AIM_FLOOR))
+                aim = min(self.tolerance, max(-0.01 * survey.alpha, AIM_FLOOR))
             if certificate.holds(aim):
                 status = Status.CONVERGED
                 break
@@ -255,22 +311,126 @@ class Solver:
             double |= aim < FLOAT32_FLOOR
             previous_error = error
             relaxation = self._relaxation(double=double)
-            points = self._fill(points, alpha, chosen, relaxation.dtype)
+            points = survey.fill(relaxation.dtype)
             done, _ = relaxation.minimise(
-                points, total, 0.5 * aim, self.max_iterations - iterations
+                points,
+                total,
+                0.5 * aim,
+                self.max_iterations - iterations,
+                self._direct_for(points),
             )
             iterations += done
             self._restore_load(points, load)
         return Solution(
             load=load,
             points=points.in_contact(),
-            alpha=alpha,
-            energy=energy,
+            alpha=survey.alpha,
+            energy=survey.energy,
             certificate=certificate,
             status=status,
             iterations=iterations,
             pairs=self.pairs - before,
         )
+
+    def _survey(self, points: WorkingSet) -> Survey:
+        """Survey of all points by one transform pair."""
+        alpha, energy, mass = self._displace(points)
+        chosen, moment, lowest = self._choose(points, alpha)
+        return Survey(
+            *(alpha, energy, mass, moment, lowest),
+            fill=lambda dtype: self._fill(points, alpha, chosen, dtype),
+        )
+
+    def _direct_for(self, points: WorkingSet) -> DirectOperator | None:
+        """Return the direct sum, where it is cheaper than transforms on this working set."""
+        n_sources = points.n_contact
+        # Without a table yet, one that would never pay is not made.
+        direct = self._direct
+        if direct is None and n_sources < FEW * self.size:
+            direct = self._direct = DirectOperator(self.exact)
+        pays = direct is not None and direct.pays(n_sources, points.tiles.size)
+        return direct if pays else None
+
+    def _survey_directly(self, points: WorkingSet) -> Survey | None:
+        """Survey by a direct sum, or None where a transform pair is cheaper.
+
+        Where the pressure is on few points, a bound from below on u spares most others:
+        a gap can be negative only at heights above it. Only tiles that reach so high are
+        looked at.
+        """
+        if points.n_contact > FEW * self.size:
+            return None
+        loaded = points.in_contact()
+        direct = self._direct_for(loaded)
+        if direct is None:
+            return None
+        p = loaded.p.astype(np.float64)
+        u = np.empty_like(p)
+        direct.apply(loaded, p, loaded, u)
+        h = self._heights_on(loaded)
+        contact = p > 0
+        mass = float(p.sum())
+        alpha = float(p[contact] @ (u - h)[contact]) / mass
+        tops = self._tile_tops()
+        reaching = tops > mass * direct.lowest - alpha
+        reaching[loaded.places] = False
+        others = WorkingSet.on(self.heights.shape, reaching.view(np.uint8), np.float64)
+        if not direct.pays(loaded.n_contact, others.tiles.size):
+            return None
+        others.p[:] = 0.0
+        direct.apply(loaded, p, others, others.r)
+        others.r -= self._heights_on(others)
+        others.r -= alpha
+        gap = u - h - alpha
+        moment = float(p[contact] @ np.abs(gap[contact]))
+        lowest = min(0.0, float(gap.min()), float(others.r.min(initial=0.0)))
+        size = loaded.tile_size
+
+        def fill(dtype: DTypeLike) -> WorkingSet:
+            below = others.r.reshape(-1, size).min(axis=1, initial=0.0) < 0
+            places = tuple(place[below] for place in others.places)
+            chosen = np.zeros(reaching.shape, np.uint8)
+            chosen[loaded.places] = chosen[places] = 1
+            filled = WorkingSet.on(self.heights.shape, chosen, dtype)
+            index = np.empty(chosen.shape, np.intp)
+            index[filled.places] = np.arange(filled.tiles.size)
+            p_tiles, r_tiles = filled.p.reshape(-1, size), filled.r.reshape(-1, size)
+            p_tiles[:] = 0
+            p_tiles[index[loaded.places]] = p.reshape(-1, size)
+            r_tiles[index[loaded.places]] = np.minimum(gap, loops.NEVER).reshape(-1, size)
+            r_tiles[index[places]] = np.minimum(others.r.reshape(-1, size)[below], loops.NEVER)
+            return filled
+
+        energy = float(p @ u) / (2 * self.size)
+        return Survey(alpha, energy, mass, moment, lowest, fill)
+
+    def _heights_on(self, points: WorkingSet) -> NDArray[np.float64]:
+        """Dimensionless heights on a working set; −inf beyond the grid."""
+        heights, scale, mean = self._h
+        n, m = heights.shape
+        tops, lefts = points.corners
+        rows = tops[:, None] + np.arange(points.height)
+        columns = lefts[:, None] + np.arange(loops.TILE)
+        values = heights[
+            np.minimum(rows, n - 1)[:, :, None], np.minimum(columns, m - 1)[:, None, :]
+        ].astype(np.float64)
+        values -= mean
+        values *= scale
+        values[(rows >= n)[:, :, None] | (columns >= m)[:, None, :]] = -np.inf
+        return values.ravel()
+
+    def _tile_tops(self) -> NDArray[np.float64]:
+        """Largest dimensionless height of each tile."""
+        if self._tops is None:
+            heights, scale, mean = self._h
+            tops = np.empty(tile_grid(heights.shape))
+            self.team.run(
+                loops.tile_tops,
+                self.team.even(tops.shape[0]),
+                *(tile_height(heights.shape), heights, tops),
+            )
+            self._tops = (tops - mean) * scale
+        return self._tops
 
     def _displace(self, points: WorkingSet) -> tuple[float, float, float]:
         """Put u = G p into the exact field; return α = Σp(u − h)/Σp, ½⟨pu⟩ and Σp."""
@@ -315,7 +475,9 @@ class Solver:
     def tangent(self, points: WorkingSet) -> tuple[float, NDArray[np.floating]]:
         """Stiffness −dp̄/dū at frozen contact, and ∂p/∂p̄ on the points."""
         relaxation = self._relaxation(double=points.p.dtype == np.float64)
-        compliance, rate, _ = relaxation.tangent(points, TANGENT_TOLERANCE)
+        compliance, rate, _ = relaxation.tangent(
+            points, TANGENT_TOLERANCE, direct=self._direct_for(points)
+        )
         return 1.0 / compliance, rate
 
     def area(self, points: WorkingSet) -> tuple[float, float]:

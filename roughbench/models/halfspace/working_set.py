@@ -102,6 +102,17 @@ class WorkingSet:
         return self.height, self.rows, self.tiles
 
     @property
+    def places(self) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
+        """Tile row and tile column of each tile."""
+        return np.repeat(np.arange(self.rows.size - 1), np.diff(self.rows)), self.tiles
+
+    @property
+    def corners(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Grid row and column of the first point of each tile."""
+        rows, columns = self.places
+        return rows * self.height, columns.astype(np.int64) * TILE
+
+    @property
     def tile_size(self) -> int:
         """Points per tile."""
         return self.height * TILE
