@@ -12,8 +12,8 @@ BIN := .venv/bin
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help demo test test-all lint smoke fig1 fig2 fig3 fig4 figures paper-fig3 \
-	paper-fig4 paper-bem compare compare-tamaas bench readme-figures dist dist-check clean \
-	distclean setup setup-dev python
+	paper-fig4 paper-bem compare compare-tamaas faults bench readme-figures dist dist-check \
+	clean distclean setup setup-dev python
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / { printf "  make %-16s%s\n", $$1, $$2 }' Makefile
@@ -81,6 +81,9 @@ compare: setup ## the models against an independent prototype's numbers
 
 compare-tamaas: setup ## the exact solver against Tamaas, in an environment of its own
 	$(BIN)/python scripts/compare_tamaas.py
+
+faults: setup-dev ## a campaign of kills and full disks; three quarters of an hour
+	$(BIN)/python scripts/fault_campaign.py
 
 bench: setup ## the benchmarks in scripts/
 	@for script in scripts/bench_*.py; do \

@@ -3,11 +3,11 @@ r"""Disturb runs in every way, and check that nothing shows in what they leave.
 One undisturbed run in a single process gives the reference. Then runs of the same spec, with
 1 to 4 jobs or on a Dask cluster of three workers, are disturbed again and again until they
 end: all of their processes killed (kill -9), single workers killed, SIGTERM, and a limit on
-the size of files, which is what a full disk looks like. Checked after every disturbance: no
+the size of files and a disk of 4 MB, both too small. Checked after every disturbance: no
 traceback on stderr, the documented exit code, every shard sound, no realization committed
 twice. In the end the results file has to be that of the reference, to the byte.
 
-    python scripts/fault_campaign.py --groups 100 --workers 50 --terms 20 --full 20 \
+    python scripts/fault_campaign.py --groups 100 --workers 50 --terms 20 --full 20 --disks 20 \
         --dask-groups 10 --dask-workers 10
 """
 
@@ -180,6 +180,51 @@ class Campaign:
         self.done[kind] += 1
 
 
+def fill_disks(campaign: Campaign, times: int) -> None:
+    """Run a smaller spec on a disk of 4 MB that is nearly full, and make room bit by bit."""
+    smaller = ["--set", "models.foundation.realizations=100", "--set", "realizations=20"]
+    reference = campaign.folder / "smaller.h5"
+    if start(reference, ["-j", "1", *smaller], None).wait() != 0:
+        raise BrokenError("the undisturbed smaller run failed")
+    disk = campaign.folder / "disk"
+    disk.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=4m", "tmpfs", str(disk)]
+    if subprocess.run(mount, capture_output=True, check=False).returncode:
+        print("  mounting is not permitted: no disk of 4 MB, only limits on the size of files")
+        return
+    try:
+        while campaign.done["disk"] < times:
+            _fill_disk(campaign, disk, smaller, reference.read_bytes())
+            print(f"  disks left: {times - campaign.done['disk']}", flush=True)
+    finally:
+        subprocess.run(["umount", str(disk)], check=True)
+
+
+def _fill_disk(campaign: Campaign, disk: Path, options: list[str], reference: bytes) -> None:
+    shutil.copy(campaign.folder / "spec.yaml", disk)
+    ballast, output = disk / "ballast", disk / "run.h5"
+    free = shutil.disk_usage(disk).free
+    room = campaign.random.choice([0, 8_192, 40_960, 163_840])
+    while not output.exists():
+        room = min(room + campaign.random.randrange(0, 200_000, 4096), free)
+        ballast.write_bytes(bytes(free - room))
+        process = start(output, ["-j", str(campaign.random.randint(1, 4)), *options], None)
+        _, stderr = process.communicate(timeout=600)
+        if process.returncode not in {0, 1, 3} or "Traceback" in stderr:
+            raise BrokenError(f"disk: exit code {process.returncode}:\n{stderr}")
+        if process.returncode and "No space left on device" not in stderr:
+            raise BrokenError(f"disk: what is wrong is not said:\n{stderr}")
+        campaign.done["disk"] += 1
+        campaign.ends["disk", process.returncode] += 1
+        ballast.unlink()
+        check(output)
+    if output.read_bytes() != reference:
+        raise BrokenError(f"{output} is not the reference")
+    for path in disk.iterdir():
+        shutil.rmtree(path) if path.is_dir() else path.unlink()
+    campaign.runs += 1
+
+
 def check(output: Path) -> None:
     """Check that every shard is sound, and no realization committed twice."""
     folder = RunFolder(output)
@@ -234,6 +279,7 @@ def main() -> None:
         ("workers", 50, "kill -9 of a worker"),
         ("terms", 20, "SIGTERM"),
         ("full", 20, "limits on the size of files"),
+        ("disks", 20, "runs on a disk of 4 MB that is full (needs the right to mount)"),
         ("dask-groups", 10, "kill -9 of a run on a Dask cluster"),
         ("dask-workers", 10, "kill -9 of a Dask worker"),
     ):
@@ -258,6 +304,8 @@ def main() -> None:
         while +left:
             campaign.run(reference.read_bytes())
             print(f"  left: {dict(+left)}", flush=True)
+        if options["disks"]:
+            fill_disks(campaign, options["disks"])
     print(describe_machine("numpy", "numba", "pyfftw"))
     print(
         f"{campaign.runs} runs, {time.monotonic() - begun:.0f} s; all ended with the bytes of"

@@ -96,11 +96,12 @@ def run(
     SolverError
         If a model refuses its input; the results file stays as it was.
     IncompleteError
-        If the disk refuses a finished task, or ``only`` leaves something out.
+        If the disk refuses a finished task or the results file, or ``only`` leaves something
+        out.
     LockedError
         If another run works for the same output.
     StoreError
-        If the results file cannot be written.
+        If the run directory cannot be made.
 
     Examples
     --------
@@ -228,8 +229,8 @@ def _publish(
     with contextlib.suppress(OSError):
         before = folder.results.read_bytes()
     if data != before:
-        commit(data, folder.results)
         folder.write_provenance(provenance(data, spec, stocks, command))
+        commit(data, folder.results)
         log.info("wrote %s", folder.results)
     else:
         log.info("%s is up to date", folder.results)
@@ -357,7 +358,10 @@ def _told(folder: RunFolder | None, command: str) -> Iterator[_Desk]:
     desk = _Desk(folder, command)
     log.info("run: %s", command or "a Python script")
     try:
-        yield desk
+        try:
+            yield desk
+        except StoreError as error:
+            raise IncompleteError(str(error)) from error
     except BaseException as error:
         kept = desk.kept()
         if isinstance(error, KeyboardInterrupt | RoughbenchError | MemoryError) and kept:

@@ -299,6 +299,25 @@ def test_a_signal_ends_it_cleanly(
     assert any(": new (" in line for line in planned)
 
 
+def test_a_full_disk_leaves_a_run_to_resume(folder: Path, invoke: Invoke) -> None:
+    """Files may have 2 kB, as if the disk were full then: less than a shard."""
+    command = f"ulimit -f 2; exec {sys.executable} -m roughbench run small.yaml"
+    environment = os.environ | {"PYTHONPATH": str(Path(rb.__file__).parents[1])}
+    done = subprocess.run(
+        ["bash", "-c", command], capture_output=True, text=True, check=False, env=environment
+    )
+    assert (done.returncode, done.stdout) == (3, "")
+    first, second = done.stderr.splitlines()
+    assert first.startswith("error: cannot write small.h5.rbrun/shards/")
+    assert "File too large; choose another place with -o, or make room" in first
+    assert first.endswith("main/foundation, realizations 1 to 20 of 20 is lost")
+    resume = "resume: roughbench run small.yaml"
+    assert second == f"0 of 63 states are kept in small.h5.rbrun; {resume}"
+    assert not (folder / "small.h5").exists()
+    assert not list(folder.rglob("*.tmp"))
+    assert invoke("run", "small.yaml").exit_code == 0
+
+
 def test_workers_end_with_a_killed_parent(start: Callable[..., Popen]) -> None:
     process = started(start, 2)
     assert len(processes_of(process.pid)) >= 3  # the workers are there
