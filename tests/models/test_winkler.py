@@ -83,12 +83,13 @@ def test_modulus_of_the_spectrum() -> None:
         assert abs(found - modulus) < 5e-5
 
 
-def test_modulus_is_that_of_the_heights_where_there_is_no_spectrum() -> None:
+def test_modulus_is_that_of_the_heights_where_there_are_any() -> None:
     """With fixed amplitudes the sum over the lattice is near the integral at q_r = 8 q0."""
     spec = spectrum(8, 32)
     heights = make_surface(spec, 64, SIDE, realization_generator(1, 0))
-    of_heights = matched_modulus(Sample(heights, SIDE))
-    assert of_heights == pytest.approx(matched_modulus(Sample(heights, SIDE, spec)), rel=5e-3)
+    of_heights = matched_modulus(Sample(heights, SIDE, spec))
+    assert of_heights == matched_modulus(Sample(heights, SIDE))
+    assert of_heights == pytest.approx(matched_modulus(Sample(None, SIDE, spec)), rel=5e-3)
     given_heights = Winkler().curve(Sample(heights, SIDE), np.array([1e-3]))
     np.testing.assert_array_equal(
         given_heights.area, winkler_curve(heights, [1e-3], of_heights).area
@@ -244,8 +245,10 @@ def test_options_choose_the_sample() -> None:
 def test_refuses_what_it_cannot_press() -> None:
     with pytest.raises(SolverError, match="heights of a surface"):
         Winkler().curve(Sample(np.zeros(4), 1.0, spectrum(1, 2)), np.array([1.0]))
-    with pytest.raises(SurfaceError, match="needs heights or a spectrum"):
+    with pytest.raises(SolverError, match="heights of a surface"):
         Winkler().curve(Sample(None, 1.0), np.array([1.0]))
+    with pytest.raises(SurfaceError, match="needs heights or a spectrum"):
+        matched_modulus(Sample(None, 1.0))
     with pytest.raises(SurfaceError, match="set modulus"):
         Winkler().curve(Sample(np.zeros((4, 4)), 1.0), np.array([1.0]))
     with pytest.raises(SurfaceError, match="needs the spectrum"):
