@@ -24,6 +24,8 @@ Weight = Callable[[FloatArray], FloatArray]
 _POINTS = 64
 _REACH = 40.0
 """The integrand ends where it has fallen by e^-40."""
+_BLOCK = 256
+"""Levels at once: a weight may take a hundred points at each of the 64."""
 
 
 def log_excess(
@@ -50,6 +52,17 @@ def log_excess(
     [[0.398942280401]]
     """
     level = np.atleast_1d(np.asarray(t, float))
+    blocks = range(0, level.size, _BLOCK)
+    return np.concatenate(
+        [_log_excess(orders, level[start : start + _BLOCK], weight) for start in blocks]
+        or [np.empty((len(orders), 0))],
+        axis=1,
+    )
+
+
+def _log_excess(
+    orders: tuple[float, ...], level: FloatArray, weight: Weight | None
+) -> FloatArray:
     points, weights = np.polynomial.legendre.leggauss(_POINTS)
     width = math.sqrt(2.0 * _REACH)
     above = np.maximum(level, 0.0)

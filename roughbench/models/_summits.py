@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -92,8 +93,8 @@ def _highest_of_nine(h: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.b
     return marks
 
 
-def _derivatives(h: FloatArray, spacing: float) -> tuple[FloatArray, ...]:
-    """Return h_x, h_y, h_xx, h_yy, h_xy of the trigonometric interpolation."""
+def _derivatives(h: FloatArray, spacing: float) -> Iterator[FloatArray]:
+    """Yield h_x, h_y, h_xx, h_yy, h_xy of the trigonometric interpolation, one at a time."""
     modes = np.fft.rfft2(h)
     qx = 2.0 * math.pi * np.fft.fftfreq(h.shape[0], spacing)[:, None]
     qy = 2.0 * math.pi * np.fft.rfftfreq(h.shape[1], spacing)[None, :]
@@ -101,4 +102,5 @@ def _derivatives(h: FloatArray, spacing: float) -> tuple[FloatArray, ...]:
     ox = np.where(np.isclose(np.abs(qx), math.pi / spacing), 0.0, qx)
     oy = np.where(np.isclose(qy, math.pi / spacing), 0.0, qy)
     factors = (1j * ox, 1j * oy, -qx * qx, -qy * qy, -ox * oy)
-    return tuple(np.fft.irfft2(modes * factor, s=h.shape) for factor in factors)
+    for factor in factors:
+        yield np.fft.irfft2(modes * factor, s=h.shape)

@@ -63,6 +63,15 @@ def test_moments_above_a_level_agree_with_adaptive_quadrature(order: float) -> N
         assert abs(log_excess((order,), [t])[0, 0] - expected) < 1e-12
 
 
+def test_many_levels_are_done_in_blocks() -> None:
+    t = np.linspace(-3, 3, 1000)
+    together = log_excess((0.5, 1.5), t)
+    assert together.shape == (2, 1000)
+    one_by_one = np.concatenate([log_excess((0.5, 1.5), [x]) for x in t[::90]], axis=1)
+    np.testing.assert_array_equal(together[:, ::90], one_by_one)
+    assert log_excess((0.5,), []).shape == (1, 0)
+
+
 def test_a_weight_enters_under_the_integral() -> None:
     """With V(s) = s² at t = 0: ∫ s^(n+2) φ ds."""
     plain = log_excess((3.0,), [0.0])[0, 0]
