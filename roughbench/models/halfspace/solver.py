@@ -370,7 +370,7 @@ class Solver:
         h = self._heights_on(loaded)
         contact = p > 0
         mass = float(p.sum())
-        alpha = float(p[contact] @ (u - h)[contact]) / mass
+        alpha = float((p * (u - h))[contact].sum()) / mass
         tops = self._tile_tops()
         reaching = tops > mass * direct.lowest - alpha
         reaching[loaded.places] = False
@@ -382,7 +382,7 @@ class Solver:
         others.r -= self._heights_on(others)
         others.r -= alpha
         gap = u - h - alpha
-        moment = float(p[contact] @ np.abs(gap[contact]))
+        moment = float((p * np.abs(gap))[contact].sum())
         lowest = min(0.0, float(gap.min()), float(others.r.min(initial=0.0)))
         size = loaded.tile_size
 
@@ -401,7 +401,7 @@ class Solver:
             r_tiles[index[places]] = np.minimum(others.r.reshape(-1, size)[below], loops.NEVER)
             return filled
 
-        energy = float(p @ u) / (2 * self.size)
+        energy = float((p * u).sum()) / (2 * self.size)
         return Survey(alpha, energy, mass, moment, lowest, fill)
 
     def _heights_on(self, points: WorkingSet) -> NDArray[np.float64]:
@@ -513,5 +513,5 @@ def _rms(heights: NDArray[np.floating], mean: float) -> float:
     total = 0.0
     for row in heights:
         deviation = row.astype(np.float64) - mean
-        total += float(np.vdot(deviation, deviation))
+        total += float((deviation * deviation).sum())
     return math.sqrt(total / heights.size)
