@@ -155,7 +155,7 @@ class Campaign:
             number = signal.SIGTERM if kind == "term" else signal.SIGKILL
             os.killpg(process.pid, number)
             self._count(kind)
-        _, stderr = process.communicate(timeout=600)
+        _, stderr = process.communicate(timeout=3600)
         if "Traceback" in stderr:
             raise BrokenError(f"{kind}: a traceback is shown:\n{stderr}")
         if process.returncode not in EXIT_CODES.get(kind, set()) | {0}:
@@ -209,7 +209,7 @@ def _fill_disk(campaign: Campaign, disk: Path, options: list[str], reference: by
         room = min(room + campaign.random.randrange(0, 200_000, 4096), free)
         ballast.write_bytes(bytes(free - room))
         process = start(output, ["-j", str(campaign.random.randint(1, 4)), *options], None)
-        _, stderr = process.communicate(timeout=600)
+        _, stderr = process.communicate(timeout=3600)
         if process.returncode not in {0, 1, 3} or "Traceback" in stderr:
             raise BrokenError(f"disk: exit code {process.returncode}:\n{stderr}")
         if process.returncode and "No space left on device" not in stderr:

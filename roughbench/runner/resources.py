@@ -13,6 +13,7 @@ from roughbench.errors import RoughbenchError
 from roughbench.models.halfspace import HalfSpace
 from roughbench.models.halfspace.memory import available as available_here
 from roughbench.models.halfspace.memory import needed
+from roughbench.models.line import Line
 from roughbench.runner.plan import Cell, Task
 
 GRID_FOR_ALL_CORES = 1536
@@ -20,8 +21,8 @@ GRID_FOR_ALL_CORES = 1536
 
 _PROCESS = 300 * 2**20
 """Bytes of a process with its libraries; measured: 260 MB."""
-_PER_POINT = 24
-"""Bytes per point while a surface is made; measured: 23."""
+_PER_POINT = 72
+"""Bytes per point for a model that does not solve; measured: 70 (winkler)."""
 _FRACTION = 0.8
 _SECONDS_WORTH_PROCESSES = 4.0
 
@@ -139,13 +140,10 @@ def memory_of(task: Task) -> int:
 
     Examples: 0.3 GB for 512² points, 0.5 GB for 2048² (measured: 0.4 and 0.6 GB).
     """
-    n_points = task.cell.n_points
-    if task.cell.model.dimension == 0:
-        return _PROCESS
-    solver = 0
-    if isinstance(task.cell.model, HalfSpace):
-        solver = needed(n_points, double=task.cell.model.precision == "double")
-    return _PROCESS + max(_PER_POINT * n_points, 8 * n_points + solver)
+    n_points, model = task.cell.n_points, task.cell.model
+    if isinstance(model, HalfSpace | Line):
+        return _PROCESS + 8 * n_points + needed(n_points, double=model.precision == "double")
+    return _PROCESS + _PER_POINT * n_points
 
 
 def check_memory(tasks: Sequence[Task], limits: Sharing) -> None:

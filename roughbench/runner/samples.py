@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 
 import numpy as np
@@ -94,6 +95,20 @@ def heights_digest(surface: FileSurface) -> str:
     content = hashlib.sha256(repr(heights.shape).encode())
     content.update(np.ascontiguousarray(heights).data)
     return content.hexdigest()[:20]
+
+
+def n_heights(surface: FileSurface) -> int:
+    """Return the number of heights in a file."""
+    stat = surface.file.stat() if surface.file.exists() else None
+    return _n_heights(
+        surface.path, str(surface.folder), stat and (stat.st_mtime_ns, stat.st_size)
+    )
+
+
+@functools.lru_cache(maxsize=64)
+def _n_heights(path: str, folder: str, stat: object) -> int:
+    del stat  # a changed file is read again
+    return int(load_heights(path, folder).size)
 
 
 def rms_of(sample: Sample) -> tuple[float, float]:

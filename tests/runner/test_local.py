@@ -289,7 +289,7 @@ def test_threads_and_processes(
 ) -> None:
     monkeypatch.setattr(resources, "available_cores", lambda: 8)
     limits = sharing(jobs, threads)
-    for grid, wanted in ((512, small), (2048, large)):
+    for grid, wanted in ((1024, small), (2048, large)):
         one = bem(grid)
         given = replace(one, threads=limits.threads(one.cell), cell=replace(one.cell, seed=1))
         many = [replace(given, realizations=range(i, i + 1)) for i in range(40)]

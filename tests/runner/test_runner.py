@@ -170,14 +170,14 @@ def test_every_realization_is_in_one_task(cell: Cell) -> None:
 def test_small_realizations_share_a_task_and_large_ones_do_not(
     small_spec: dict[str, Any],
 ) -> None:
-    models = [{"kind": "bem", "grid": 1024}, {"kind": "foundation", "springs": 8192}]
+    models = [{"kind": "bem", "grid": 2048}, {"kind": "foundation", "springs": 8192}]
     exact, foundation = plan(load_spec({**small_spec, "models": models}))
     sizes = [len(task.realizations) for task in cut(exact, range(20), exact.pressures)]
     assert sizes == [1] * 20
     lines = cut(foundation, range(10_000), foundation.pressures, parts=4)
-    assert {len(task.realizations) for task in lines[:-1]} == {123}  # a second
-    few = cut(foundation, range(20), foundation.pressures, parts=4)
-    assert [len(task.realizations) for task in few] == [13, 7]  # a tenth of one at least
+    assert {len(task.realizations) for task in lines[:-1]} == {245}  # a second
+    few = cut(foundation, range(40), foundation.pressures, parts=4)
+    assert [len(task.realizations) for task in few] == [25, 15]  # a tenth of one at least
 
 
 def test_check_names_every_fault(small_spec: dict[str, Any]) -> None:
@@ -267,5 +267,15 @@ def test_refuses_a_bad_output_before_it_computes(
 def test_the_exact_solver_weighs_most(small_spec: dict[str, Any]) -> None:
     models = [{"kind": "bem", "grid": 512}, {"kind": "foundation", "springs": 8192}]
     exact, foundation = plan(load_spec({**small_spec, "models": models}))
-    assert exact.work == 3 * 512**2
-    assert foundation.work == 8192
+    assert exact.work == 0.15 * 3 * 512**2
+    assert foundation.work == 0.5 * 8192
+
+
+def test_heights_from_a_file_weigh_as_they_are(tmp_path: Path) -> None:
+    np.save(tmp_path / "line.npy", np.arange(5000.0))
+    surface = {"kind": "file", "path": str(tmp_path / "line.npy"), "length": 1.0}
+    tree = {"surface": surface, "pressures": [0.1], "models": [{"kind": "foundation"}]}
+    cell = plan(load_spec(tree))[0]
+    assert cell.n_points == 5000
+    np.save(tmp_path / "line.npy", np.arange(60_000.0))
+    assert cell.n_points == 60_000
