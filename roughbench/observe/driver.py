@@ -283,13 +283,9 @@ def _kept(spec: Spec) -> set[tuple[int, float]]:
 
 
 def _realizations(cell: Cell, names: Sequence[str], kept: set[tuple[int, float]]) -> list[int]:
-    """Return the realizations of a cell that are needed; heights from a file have one."""
+    """Return the realizations of a cell that are needed."""
     wanted = set(range(cell.n_realizations)) if names else set()
-    if isinstance(cell.surface, SelfAffineSurface):
-        wanted |= {r for r, _ in kept}
-    elif kept:
-        wanted |= {0}
-    return sorted(wanted)
+    return sorted(wanted | {r for r, _ in kept})
 
 
 def _asked(

@@ -116,6 +116,10 @@ def _file(tree: Any, surface: FileSurface, models: Numbered) -> Iterator[Finding
         yield Finding(("surface", "path"), f"no such file: {surface.file}")
     if (lookup(tree, ("realizations",)) or 1) != 1:
         yield Finding(("realizations",), "heights from a file are one realization; remove this")
+    kept = lookup(tree, ("save_fields", "realizations"))
+    if isinstance(kept, list) and any(number != 0 for number in kept):
+        message = "heights from a file are one realization, 0; remove this"
+        yield Finding(("save_fields", "realizations"), message)
     for number, model in models:
         where = ("models", number)
         if model.dimension > 0 and (model.realizations or 1) != 1:
