@@ -63,7 +63,7 @@ def remove_leftovers(path: Path) -> None:
     Only for whom no other process can be publishing the same file.
     """
     with contextlib.suppress(OSError):
-        for leftover in path.parent.glob(f".{glob.escape(path.name)}.*.tmp"):
+        for leftover in path.parent.glob(f".{glob.escape(path.name)}.[0-9]*.[0-9]*.tmp"):
             leftover.unlink()
 
 

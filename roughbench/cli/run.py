@@ -130,7 +130,7 @@ def command(
     if dry_run:
         for name in ("keep_going", "log_file"):
             options.pop(name)
-        parts = preview(loaded, output=target, **options)
+        parts = preview(loaded, output=target, cluster=cluster, **options)
         for part in parts:
             click.echo(part)
         click.echo(_total([part.tasks for part in parts], sum(part.seconds for part in parts)))

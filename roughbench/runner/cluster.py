@@ -13,6 +13,7 @@ import logging
 import math
 import os
 import queue
+import signal
 import threading
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -203,23 +204,32 @@ def _client(cluster: Cluster, tasks: Sequence[Task]) -> Iterator[Client]:
 
 @contextlib.contextmanager
 def _slurm(cluster: Cluster, tasks: Sequence[Task]) -> Iterator[Any]:
-    try:
-        from dask_jobqueue import SLURMCluster
-    except ImportError as error:
-        raise RoughbenchError(f"--engine slurm needs dask-jobqueue; {_INSTALL}") from error
     gigabytes = max(_gigabytes(task) for task in tasks)
     options: dict[str, Any] = {
         "cores": max(task.threads for task in tasks),
         "processes": 1,
-        "memory": f"{gigabytes} GiB",
+        "memory": f"{gigabytes + 1} GiB",  # an estimate, and beyond it the job is killed
         "walltime": cluster.walltime,
         "worker_extra_args": ["--nthreads", "1", "--resources", f"{RESOURCE}={gigabytes}"],
         "queue": cluster.partition or None,
         "account": cluster.account or None,
     }
-    with SLURMCluster(**options) as found:
+    with _slurm_cluster()(**options) as found:
         found.adapt(minimum=1, maximum=min(cluster.workers, len(tasks)))
         yield found
+
+
+def _slurm_cluster() -> Any:
+    """Import the class; the import takes SIGINT over, which is given back."""
+    before = signal.getsignal(signal.SIGINT)
+    try:
+        from dask_jobqueue import SLURMCluster
+    except ImportError as error:
+        raise RoughbenchError(f"--engine slurm needs dask-jobqueue; {_INSTALL}") from error
+    finally:
+        if threading.current_thread() is threading.main_thread():
+            signal.signal(signal.SIGINT, before)
+    return SLURMCluster
 
 
 def _check_workers(client: Client, tasks: Sequence[Task], cluster: Cluster) -> bool:

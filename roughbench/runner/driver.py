@@ -22,7 +22,7 @@ from roughbench.runner.only import label_of, select
 from roughbench.runner.overview import Part, overview
 from roughbench.runner.plan import Cell, Task, check, plan
 from roughbench.runner.progress import Progress, Report
-from roughbench.runner.provenance import provenance
+from roughbench.runner.provenance import provenance, spent
 from roughbench.runner.resources import Sharing, check_memory, sharing
 from roughbench.runner.survey import Stock, survey
 from roughbench.spec import Source, Spec, load_spec
@@ -114,9 +114,7 @@ def run(
     [0.01596, 0.15852]
     """
     resolved = load_spec(spec, overrides)
-    if cluster is not None:
-        jobs, threads = None, threads or 1
-    limits = sharing(jobs, threads, max_memory)
+    limits = _limits(jobs, threads, max_memory, cluster)
     if output is not None:
         check_writable(output)
     cells = plan(resolved)
@@ -134,6 +132,7 @@ def run(
             desk.open(stocks, progress, keep_going=keep_going)
             _compute(tasks, limits, cluster, desk)
             desk.finish()
+            _sum_up(stocks)
             results = _results(resolved, stocks)
             if folder is not None:
                 _publish(results, folder, resolved, stocks, command)
@@ -150,12 +149,13 @@ def preview(
     force: bool = False,
     only: Sequence[str] = (),
     max_memory: int | str | None = None,
+    cluster: Cluster | None = None,
 ) -> list[Part]:
     """Return what :func:`run` would compute, and why, without computing or writing anything.
 
     Parameters
     ----------
-    spec, output, jobs, threads, overrides, force, only, max_memory
+    spec, output, jobs, threads, overrides, force, only, max_memory, cluster
         As for :func:`run`.
 
     Returns
@@ -167,14 +167,23 @@ def preview(
     SpecError, SurfaceError, RoughbenchError
         As :func:`run`.
     """
-    limits = sharing(jobs, threads, max_memory)
+    limits = _limits(jobs, threads, max_memory, cluster)
     cells = plan(load_spec(spec, overrides))
     check(cells)
     folder = RunFolder(output) if output is not None else None
     stocks = survey(cells, limits, folder, force=force)
     tasks = select(stocks, only, parts=limits.parts)
-    check_memory(tasks, limits)
+    if cluster is None:
+        check_memory(tasks, limits)
     return overview(stocks, tasks, folder)
+
+
+def _limits(
+    jobs: int | None, threads: int | None, max_memory: int | str | None, cluster: Cluster | None
+) -> Sharing:
+    if cluster is not None:  # the cores of this machine mean nothing there
+        return sharing(None, threads or 1, max_memory)
+    return sharing(jobs, threads, max_memory)
 
 
 def _take_stock(
@@ -211,6 +220,20 @@ def _compute(
         checkpoint_of=desk.checkpoint,
         listener=desk,
     )
+
+
+def _sum_up(stocks: Sequence[Stock]) -> None:
+    for stock in stocks:
+        total = spent(stock.usages)
+        log.debug(
+            "%s: %d tasks, %.1f s, peak memory %.2f GB, %d of %d states not converged",
+            stock.cell,
+            total["tasks"],
+            total["seconds"],
+            total["peak_memory"] / 1e9,
+            stock.collected.n_unconverged,
+            stock.cell.n_states,
+        )
 
 
 def _results(spec: Spec, stocks: Sequence[Stock]) -> Results:
@@ -332,7 +355,9 @@ class _Desk:
     def _rerun(self, task: Task) -> list[str]:
         if not self._command:
             return []
-        return [f"rerun it alone: {self._command} --only {shlex.quote(label_of(task))} -j 1"]
+        name = shlex.quote(label_of(task))
+        options = f"--only {name} -j 1 --threads {task.threads}"
+        return [f"rerun it alone: {self._command} {options}"]
 
     def kept(self) -> str:
         """Say what an end at this moment leaves, and how to go on."""

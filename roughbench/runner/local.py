@@ -67,19 +67,24 @@ def compute_in_workers(
     waiting = sorted(tasks, key=lambda task: -task.work * task.n_states)
     attempts: dict[Task, int] = {}
     alone: set[Task] = set()
-    with _crew(processes) as crew:
+    with _crew() as crew:
+        free = True  # whether something may have become free since the last look
         while waiting or crew.busy:
-            for next_one in list(waiting):
+            for next_one in list(waiting) if free else ():
+                if len(crew.busy) == processes:
+                    break
                 if _fits(next_one, crew, sharing, alone):
                     waiting.remove(next_one)
                     attempts[next_one] = attempts.get(next_one, 0) + 1
                     crew.give(next_one, checkpoint_of(next_one))
+            free = False
             for worker in crew.heard():
                 task = worker.task
                 try:
                     kind, content = worker.pipe.recv()
                 except (EOFError, OSError, pickle.UnpicklingError):
                     death = crew.bury(worker)
+                    free = True
                     if task is not None and attempts[task] < ATTEMPTS:
                         listener.said(f"{task}: its worker {death}; trying again")
                         listener.advanced(task, 0)
@@ -92,6 +97,7 @@ def compute_in_workers(
                     listener.advanced(task, content)
                 elif kind == "ended" and task is not None:
                     worker.task = None
+                    free = True
                     listener.ended(task, content)
 
 
@@ -99,7 +105,7 @@ def _fits(task: Task, crew: _Crew, sharing: Sharing, alone: set[Task]) -> bool:
     running = [worker.task for worker in crew.workers if worker.task is not None]
     if not running:
         return True
-    if len(running) >= crew.size or task in alone or not alone.isdisjoint(running):
+    if task in alone or not alone.isdisjoint(running):
         return False
     if task.threads + sum(other.threads for other in running) > sharing.most_threads:
         return False
@@ -126,10 +132,9 @@ class _Worker:
 
 
 class _Crew:
-    """At most ``size`` workers, started when there is something to do for them."""
+    """Workers, started when there is something to do for them."""
 
-    def __init__(self, size: int) -> None:
-        self.size = size
+    def __init__(self) -> None:
         self.workers: list[_Worker] = []
         self._context = get_context("spawn")
         resource_tracker.ensure_running()  # it would let signals through while workers start
@@ -200,8 +205,8 @@ class _Crew:
 
 
 @contextlib.contextmanager
-def _crew(size: int) -> Iterator[_Crew]:
-    crew = _Crew(size)
+def _crew() -> Iterator[_Crew]:
+    crew = _Crew()
     try:
         yield crew
     finally:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass, replace
 
@@ -69,8 +70,7 @@ class Cell:
         if dimension == 0:
             return 0
         if isinstance(self.surface, SelfAffineSurface):
-            spectrum, length = self.surface.spectrum(), self.surface.length
-            return int(self.model.grid_points(spectrum, length)) ** dimension
+            return _grid_points(self.surface, self.model) ** dimension
         return n_heights(self.surface)
 
     def pressure_array(self) -> FloatArray:
@@ -202,6 +202,11 @@ def cut(
         Task(cell, realizations[start : start + size], pressures, threads, heights)
         for start in range(0, len(realizations), size)
     ]
+
+
+@functools.lru_cache(maxsize=1024)  # asked for every task
+def _grid_points(surface: SelfAffineSurface, model: Model) -> int:
+    return model.grid_points(surface.spectrum(), surface.length)
 
 
 def _realizations(spec: Spec, model: Model) -> int:

@@ -257,8 +257,19 @@ def test_without_dask(monkeypatch: pytest.MonkeyPatch, kind: Any, package: str) 
         rb.run(SPEC, cluster=where)
 
 
+def test_ctrl_c_stays_ours_with_slurm(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in [name for name in sys.modules if name.startswith("dask_jobqueue")]:
+        monkeypatch.delitem(sys.modules, name)
+    before = signal.getsignal(signal.SIGINT)
+    try:
+        assert cluster._slurm_cluster().__name__ == "SLURMCluster"
+    except rb.RoughbenchError:
+        pytest.skip("dask-jobqueue is not installed")
+    assert signal.getsignal(signal.SIGINT) is before
+
+
 def test_the_jobs_of_slurm_are_made_for_the_tasks(monkeypatch: pytest.MonkeyPatch) -> None:
-    jobqueue = pytest.importorskip("dask_jobqueue")
+    pytest.importorskip("distributed")
     asked: dict[str, Any] = {}
 
     class RecordedError(Exception):
@@ -268,7 +279,7 @@ def test_the_jobs_of_slurm_are_made_for_the_tasks(monkeypatch: pytest.MonkeyPatc
         asked.update(options)
         raise RecordedError
 
-    monkeypatch.setattr(jobqueue, "SLURMCluster", record)
+    monkeypatch.setattr(cluster, "_slurm_cluster", lambda: record)
     with pytest.raises(RecordedError):
         rb.run(
             SPEC, threads=3, cluster=Cluster("slurm", walltime="00:10:00", partition="short")
@@ -276,7 +287,7 @@ def test_the_jobs_of_slurm_are_made_for_the_tasks(monkeypatch: pytest.MonkeyPatc
     assert asked == {
         "cores": 3,
         "processes": 1,
-        "memory": "1 GiB",
+        "memory": "2 GiB",
         "walltime": "00:10:00",
         "worker_extra_args": ["--nthreads", "1", "--resources", "MEMGB=1"],
         "queue": "short",

@@ -253,12 +253,12 @@ def cells(small_spec: Tree, monkeypatch: pytest.MonkeyPatch) -> list[Cell]:
 def test_keep_going_finishes_the_others(
     small_spec: Tree, output: Path, computed: list[str], *, keep_going: bool
 ) -> None:
-    command = "roughbench run s.yaml"
+    command, cores = "roughbench run s.yaml", runner.available_cores()
     with pytest.raises(rb.SolverError, match="main/bad, realization 1 of 2: ref") as caught:
         rb.run(small_spec, output=output, keep_going=keep_going, command=command)
     assert computed == ["main/good, realizations 1 to 2 of 2"] * keep_going
     assert caught.value.__notes__ == [
-        "rerun it alone: roughbench run s.yaml --only main/bad:1-2 -j 1",
+        f"rerun it alone: {command} --only main/bad:1-2 -j 1 --threads {cores}",
         f"{6 * keep_going} of 12 states are kept in {output}.rbrun; resume: {command}",
     ]
     assert not output.exists()
@@ -268,12 +268,13 @@ def test_all_failures_are_told(small_spec: Tree, output: Path, cells: list[Cell]
     cells.append(
         Cell("more", Fake(misdeed="crash"), cells[0].surface, cells[0].pressures, 1, 1)
     )
+    cores = runner.available_cores()
     with pytest.raises(rb.RoughbenchError) as caught:
         rb.run(small_spec, output=output, keep_going=True, command="c")
     assert str(caught.value) == (
         "2 tasks failed:\nmain/bad, realization 1 of 2: refused\n"
-        "rerun it alone: c --only main/bad:1-2 -j 1\na fault of the model\n"
-        "rerun it alone: c --only more/fake -j 1"
+        f"rerun it alone: c --only main/bad:1-2 -j 1 --threads {cores}\n"
+        f"a fault of the model\nrerun it alone: c --only more/fake -j 1 --threads {cores}"
     )
 
 
