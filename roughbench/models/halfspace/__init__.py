@@ -7,8 +7,10 @@ elasticity, ``loops`` and :mod:`roughbench.transform` the array work.
 
 from __future__ import annotations
 
-from typing import ClassVar, Literal
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
 
+from numpy.typing import NDArray
 from pydantic import Field
 
 from roughbench.errors import SolverError
@@ -59,6 +61,28 @@ class HalfSpace(Model):
         solved: Solved | None = None,
     ) -> Curve:
         """Solve the states at ``pressures`` on the heights of the sample."""
+        return self._solve(sample, pressures, threads, solved, None)
+
+    def resume(
+        self,
+        sample: Sample,
+        pressures: FloatArray,
+        finished: Mapping[str, NDArray[Any]],
+        *,
+        threads: int = 1,
+        solved: Solved | None = None,
+    ) -> Curve:
+        """Go on from the last state that was solved."""
+        return self._solve(sample, pressures, threads, solved, finished)
+
+    def _solve(
+        self,
+        sample: Sample,
+        pressures: FloatArray,
+        threads: int,
+        solved: Solved | None,
+        finished: Mapping[str, NDArray[Any]] | None,
+    ) -> Curve:
         # Numba and FFTW load only where they are needed.
         from roughbench.models.halfspace.contact import solve_curve
 
@@ -72,4 +96,5 @@ class HalfSpace(Model):
             precision=self.precision,
             threads=threads,
             solved=solved,
+            finished=finished,
         )

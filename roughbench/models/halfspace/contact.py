@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import os
-from typing import Literal
+from collections.abc import Mapping
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -167,6 +168,7 @@ def solve_curve(
     threads: int | None = None,
     max_iterations: int = 3000,
     solved: Solved | None = None,
+    finished: Mapping[str, NDArray[Any]] | None = None,
 ) -> Curve:
     """Solve states at many pressures on the same heights, each started from its neighbour.
 
@@ -182,7 +184,9 @@ def solve_curve(
     length, modulus, tolerance, precision, threads, max_iterations
         As in :func:`solve_contact`.
     solved : callable, optional
-        Called after each pressure.
+        Called after each pressure, with a function that returns a snapshot.
+    finished : mapping of str to ndarray, optional
+        Snapshot of the same curve to go on from, to the bits it would have had.
 
     Returns
     -------
@@ -199,54 +203,105 @@ def solve_curve(
     """
     problem = _Problem(heights, length, modulus, tolerance, precision, threads, max_iterations)
     loads = problem.loads(pressures)
+    progress = _Progress(loads.size) if finished is None else _Progress.since(finished)
+    states, last = progress.states, progress.last
     solver = problem.solver
-    n = loads.size
-    names = ("area", "area_raw", "separation", "stiffness", "energy")
-    values = {name: np.full(n, np.nan) for name in names}
-    status = np.zeros(n, np.int32)
-    certificates = np.zeros((n, 3))
-    work = np.zeros((n, 2), np.int32)
     start: tuple[float, WorkingSet, NDArray[np.floating]] | None = None
-    for i in np.argsort(loads, kind="stable"):
+    if last is not None:
+        start = (*last, solver.tangent(last[1])[1])
+    for i in np.argsort(loads, kind="stable")[progress.done :]:
         load = float(loads[i])
+        state = states[i]
         if load >= solver.full_load:
-            for name, value in zip(names, (1.0, 1.0, 0.0, math.inf), strict=False):
-                values[name][i] = value
-            values["energy"][i] = solver.full_energy * problem.energy_unit
-            if solved is not None:
-                solved()
-            continue
-        before = solver.pairs
-        points = solver.cold_start(load) if start is None else solver.predict(*start, load)
-        solution = solver.solve(load, points)
-        values["area"][i], values["area_raw"][i] = solver.area(solution.points)
-        stiffness, rate = solver.tangent(solution.points)
-        start = (load, solution.points, rate)
-        values["separation"][i] = -solution.alpha * solver.rms
-        values["stiffness"][i] = stiffness * problem.pressure_unit / solver.rms
-        values["energy"][i] = solution.energy * problem.energy_unit
-        status[i] = solution.status
-        certificate = solution.certificate
-        certificates[i] = (
-            certificate.complementarity,
-            certificate.penetration,
-            certificate.load_error,
-        )
-        work[i] = (solution.iterations, solver.pairs - before)
+            state["area"] = state["area_raw"] = 1.0
+            state["separation"] = 0.0
+            state["stiffness"] = math.inf
+            state["energy"] = solver.full_energy * problem.energy_unit
+        else:
+            before = solver.pairs
+            points = solver.cold_start(load) if start is None else solver.predict(*start, load)
+            solution = solver.solve(load, points)
+            state["area"], state["area_raw"] = solver.area(solution.points)
+            stiffness, rate = solver.tangent(solution.points)
+            start = (load, solution.points, rate)
+            progress.last = start[:2]
+            state["separation"] = -solution.alpha * solver.rms
+            state["stiffness"] = stiffness * problem.pressure_unit / solver.rms
+            state["energy"] = solution.energy * problem.energy_unit
+            state["status"] = solution.status
+            certificate = solution.certificate
+            state["complementarity"] = certificate.complementarity
+            state["penetration"] = certificate.penetration
+            state["load_error"] = certificate.load_error
+            state["iterations"] = solution.iterations
+            state["transform_pairs"] = solver.pairs - before
+        progress.done += 1
         if solved is not None:
-            solved()
+            solved(progress.snapshot)
+    columns = {name: np.ascontiguousarray(states[name]) for name in states.dtype.names or ()}
     return Curve(
         pressure=np.array(pressures, dtype=np.float64),
-        status=status,
-        diagnostics={
-            "complementarity": certificates[:, 0],
-            "penetration": certificates[:, 1],
-            "load_error": certificates[:, 2],
-            "iterations": work[:, 0],
-            "transform_pairs": work[:, 1],
-        },
-        **values,
+        diagnostics={name: columns.pop(name) for name in _DIAGNOSTICS},
+        **columns,
     )
+
+
+_VALUES = ("area", "area_raw", "separation", "stiffness", "energy")
+_DIAGNOSTICS = {
+    "complementarity": np.float64,
+    "penetration": np.float64,
+    "load_error": np.float64,
+    "iterations": np.int32,
+    "transform_pairs": np.int32,
+}
+_STATE = np.dtype(
+    [*((name, np.float64) for name in _VALUES), ("status", np.int32), *_DIAGNOSTICS.items()]
+)
+
+
+class _Progress:
+    """How far a curve has come.
+
+    Attributes
+    ----------
+    states : ndarray of ``_STATE``, shape (k,)
+        In the caller's order; nan where not yet solved.
+    done : int
+        States solved, in the order of rising pressure.
+    last : (float, WorkingSet), optional
+        Load and pressures of the last solved state that is not in full contact.
+    """
+
+    def __init__(self, n: int) -> None:
+        self.states = np.zeros(n, _STATE)
+        for name in _VALUES:
+            self.states[name] = np.nan
+        self.done = 0
+        self.last: tuple[float, WorkingSet] | None = None
+
+    @classmethod
+    def since(cls, finished: Mapping[str, NDArray[Any]]) -> _Progress:
+        """Take up a snapshot."""
+        progress = cls(finished["status"].size)
+        for name in _STATE.names or ():
+            progress.states[name] = finished[name]
+        progress.done = int(finished["done"])
+        if "load" in finished:
+            points = WorkingSet.under_pressure(
+                int(finished["height"]), *(finished[name] for name in ("rows", "tiles", "p"))
+            )
+            progress.last = float(finished["load"]), points
+        return progress
+
+    def snapshot(self) -> dict[str, NDArray[Any]]:
+        """Arrays to go on from: the states, and the pressures that the next one starts from."""
+        arrays = {name: np.ascontiguousarray(self.states[name]) for name in _STATE.names or ()}
+        arrays["done"] = np.array(self.done)
+        if self.last is not None:
+            load, points = self.last
+            arrays |= {"load": np.array(load), "height": np.array(points.height)}
+            arrays |= {"rows": points.rows, "tiles": points.tiles, "p": points.p}
+        return arrays
 
 
 class _Problem:

@@ -35,7 +35,7 @@ class HalfSpaceOperator:
         self.transform = RealTransform(shape, dtype, team.threads)
         self.team = team
         self.pairs = 0
-        """Transform pairs done so far."""
+        """Transform pairs done so far, not counting :meth:`unit_response`."""
         n, m = shape
         self._blocks = team.even(n)
         self._qy_squared = ((2 * math.pi * np.fft.fftfreq(n)) ** 2).astype(dtype)
@@ -52,16 +52,18 @@ class HalfSpaceOperator:
     def displace(self) -> None:
         """field ← G field: displacement of zero mean from pressure."""
         self._apply(self._compliance, -1)
+        self.pairs += 1
 
     def traction(self) -> None:
         """field ← S field: pressure of zero mean from displacement."""
         self._apply(self._stiffness, 1)
+        self.pairs += 1
 
     def unit_response(self) -> None:
         """field ← G in real space: displacement by a unit pressure on the first point."""
         self.field[...] = 0.0
         self.field[0, 0] = 1.0
-        self.displace()
+        self._apply(self._compliance, -1)
 
     def _apply(self, factor: np.floating, exponent: int) -> None:
         self.transform.forward()
@@ -75,7 +77,6 @@ class HalfSpaceOperator:
             exponent,
         )
         self.transform.backward()
-        self.pairs += 1
 
 
 def kernel_on(size: tuple[int, int]) -> FloatArray:

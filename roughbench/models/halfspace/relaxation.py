@@ -155,6 +155,7 @@ class Relaxation:
             iteration += 1
         self.team.run(loops.clear, blocks, *w.layout, self._scratch)
         w.keep_pressure()
+        self._near = self._direct = None
         return iteration, reached
 
     def _open(self, w: WorkingSet, direct: DirectOperator | None) -> None:
@@ -333,6 +334,7 @@ class Relaxation:
                 break
         self.team.run(loops.clear, blocks, *w.layout, self._scratch)
         w.keep_pressure()
+        self._near = self._direct = None
         return compliance, x, iteration
 
     def _split_residual(

@@ -344,12 +344,12 @@ class Solver:
     def _direct_for(self, points: WorkingSet) -> DirectOperator | None:
         """Return the direct sum, where it is cheaper than transforms on this working set."""
         n_sources = points.n_contact
-        # Without a table yet, one that would never pay is not made.
-        direct = self._direct
-        if direct is None and n_sources < FEW * self.size:
-            direct = self._direct = DirectOperator(self.exact)
-        pays = direct is not None and direct.pays(n_sources, points.tiles.size)
-        return direct if pays else None
+        if n_sources >= FEW * self.size:
+            self._direct = None  # its tables are not needed any more
+            return None
+        if self._direct is None:
+            self._direct = DirectOperator(self.exact)
+        return self._direct if self._direct.pays(n_sources, points.tiles.size) else None
 
     def _survey_directly(self, points: WorkingSet) -> Survey | None:
         """Survey by a direct sum, or None where a transform pair is cheaper.
@@ -358,7 +358,7 @@ class Solver:
         a gap can be negative only at heights above it. Only tiles that reach so high are
         looked at.
         """
-        if points.n_contact > FEW * self.size:
+        if points.n_contact >= FEW * self.size:
             return None
         loaded = points.in_contact()
         direct = self._direct_for(loaded)

@@ -89,8 +89,15 @@ class WorkingSet:
         rows = np.concatenate(([0], np.cumsum(loaded)))[self.rows]
         kept = _vector(int(rows[-1]) * self.tile_size, self.p.dtype)
         np.compress(loaded, p, axis=0, out=kept.reshape(-1, self.tile_size))
-        none = np.empty(0, self.p.dtype)
-        return WorkingSet(self.height, rows, self.tiles[loaded], kept, none, none, none, none)
+        return self.under_pressure(self.height, rows, self.tiles[loaded], kept)
+
+    @classmethod
+    def under_pressure(
+        cls, height: int, rows: NDArray[np.int64], tiles: NDArray[np.int32], p: NDArray[Any]
+    ) -> WorkingSet:
+        """Tiles that carry p, without room for more."""
+        none = np.empty(0, p.dtype)
+        return cls(height, rows, tiles, p, none, none, none, none)
 
     def keep_pressure(self) -> None:
         """Free all vectors but p."""

@@ -6,8 +6,9 @@ import hashlib
 import os
 import subprocess
 import sys
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import pytest
@@ -113,3 +114,35 @@ def test_threads_change_only_the_rounding(
             other.pressure, states[0].pressure, rtol=0, atol=1e-8 * states[0].pressure.max()
         )
         assert other.mean_separation == pytest.approx(states[0].mean_separation, rel=1e-9)
+
+
+@pytest.mark.parametrize("precision", ["mixed", "double"])
+def test_a_resumed_curve_is_the_same_to_the_bit(precision: str, rough: Rough) -> None:
+    """From any state: at low loads, with transforms, in full contact; unsorted pressures."""
+    heights = rough(256, per_wave=4.0, q_rolloff=2.0)
+    pressures = [0.3, 1e-2, 1e-6, 1e-7, 1e-3, 1e-5]
+    options: dict[str, Any] = {"length": CELL, "precision": precision, "threads": 2}
+    snapshots: list[dict[str, np.ndarray]] = []
+
+    def keep(snapshot: Callable[[], Mapping[str, np.ndarray]] | None = None, /) -> None:
+        assert snapshot is not None
+        snapshots.append({name: np.array(value) for name, value in snapshot().items()})
+
+    whole = solve_curve(heights, pressures, solved=keep, **options)
+    assert len(snapshots) == len(pressures)
+    for done, snapshot in enumerate(snapshots, start=1):
+        later: list[None] = []
+        resumed = solve_curve(
+            heights,
+            pressures,
+            finished=snapshot,
+            solved=lambda *_, later=later: later.append(None),
+            **options,
+        )
+        assert len(later) == len(pressures) - done
+        for name in ("area", "area_raw", "separation", "stiffness", "energy", "status"):
+            np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name))
+        assert resumed.diagnostics is not None
+        assert whole.diagnostics is not None
+        for name, values in whole.diagnostics.items():
+            np.testing.assert_array_equal(resumed.diagnostics[name], values)
