@@ -268,22 +268,13 @@ def test_pressures_that_float32_cannot_represent(pressure: float) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("power", "converges"), [(16, True), (20, False)])
-def test_long_lines(
-    *, power: int, converges: bool, rough: Rough, reference: type[Reference]
-) -> None:
-    """Lines of up to a million points; where the solver gives up, it says so.
-
-    At p/E* = 0.01 the number of iterations grows with that of the points, beyond 3000
-    from 2^18 points on.
-    """
+@pytest.mark.parametrize("power", [16, 18, 20])
+def test_long_lines(power: int, rough: Rough, reference: type[Reference]) -> None:
+    """Lines of up to a million points, where contacts compete at all distances."""
     heights = rough(2**power, per_wave=4.0, q_rolloff=8.0, line=True)
     own = reference(heights, length=CELL)
-    own.verify(solve_contact(heights, 1e-4, length=CELL), 1e-4)
-    state = solve_contact(heights, 1e-2, length=CELL)
-    own.consistent(state, 1e-2)
-    assert (state.status is Status.CONVERGED) == state.certificate.holds(1e-6)
-    assert not converges or state.status is Status.CONVERGED
+    for pressure in (1e-4, 1e-2, 0.05):
+        own.verify(solve_contact(heights, pressure, length=CELL), pressure)
 
 
 def test_fields_belong_to_the_caller(rough: Rough) -> None:
