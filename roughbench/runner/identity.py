@@ -86,7 +86,7 @@ def key_of(identity: Identity) -> str:
     Examples
     --------
     >>> key_of({"seed": 1, "surface.H": 0.7})
-    '7cb1f2e5ee7b13abb33c'
+    '9c9d45b6edf3cbd5bd84'
     """
     canonical = json.dumps(identity, sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(canonical.encode()).hexdigest()[:20]

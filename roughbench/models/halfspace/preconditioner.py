@@ -141,7 +141,10 @@ class CellSolver:
                 break
             image = self.count * self._multiply(self.count * direction, self._kernel)
             image += np.where(occupied, excess, 0) * direction
-            length = power / _dot(direction, image)
+            curvature = _dot(direction, image)
+            if not curvature > 0.0:
+                break
+            length = power / curvature
             y += residual.dtype.type(length) * direction
             if step == self._iterations - 1:
                 break
@@ -171,7 +174,10 @@ class CellSolver:
                 count * (np.einsum("ij,j->i", few.kernel, count * direction))
                 + excess * direction
             )
-            length = force.dtype.type(power / _dot(direction, image))
+            curvature = _dot(direction, image)
+            if not curvature > 0.0:
+                break
+            length = force.dtype.type(power / curvature)
             y += length * direction
             residual = residual - length * image
             previous = power

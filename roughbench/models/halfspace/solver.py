@@ -370,7 +370,7 @@ class Solver:
         h = self._heights_on(loaded)
         contact = p > 0
         mass = float(p.sum())
-        alpha = float((p * (u - h))[contact].sum()) / mass
+        alpha = float((p[contact] * (u - h)[contact]).sum()) / mass
         tops = self._tile_tops()
         reaching = tops > mass * direct.lowest - alpha
         reaching[loaded.places] = False
@@ -382,7 +382,7 @@ class Solver:
         others.r -= self._heights_on(others)
         others.r -= alpha
         gap = u - h - alpha
-        moment = float((p * np.abs(gap))[contact].sum())
+        moment = float((p[contact] * np.abs(gap[contact])).sum())
         lowest = min(0.0, float(gap.min()), float(others.r.min(initial=0.0)))
         size = loaded.tile_size
 
