@@ -301,7 +301,8 @@ class Relaxation:
         compliance = work / size
         self.team.run(loops.mark_contact, tiles, w.tile_size, w.p, number(0), w.r)
         alpha, length = sum_y / n_contact, 1.0
-        previous, previous_gain = math.inf, 0.0
+        previous, previous_gain = math.inf, compliance
+        rates = 0.9, 0.9
         iteration = 1
         while True:
             self._split_residual(w, blocks, length, alpha)
@@ -328,8 +329,10 @@ class Relaxation:
             compliance -= gain
             previous = power
             iteration += 1
-            rate = min(gain / previous_gain, 0.9) if previous_gain > 0.0 else 0.9
+            # Of the last two steps the slower one, and never faster than 1/3.
+            rates = rates[1], min(max(gain / previous_gain, 1.0 / 3.0), 0.9)
             previous_gain = gain
+            rate = max(rates)
             if gain * rate / (1.0 - rate) <= tolerance * compliance:
                 break
         self.team.run(loops.clear, blocks, *w.layout, self._scratch)
