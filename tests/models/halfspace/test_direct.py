@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from roughbench.models.halfspace import loops, solver
-from roughbench.models.halfspace.contact import solve_contact, solve_curve
+from roughbench.models.halfspace.contact import Precision, solve_contact, solve_curve
 from roughbench.models.halfspace.direct import DirectOperator
 from roughbench.models.halfspace.operator import HalfSpaceOperator
 from roughbench.models.halfspace.working_set import WorkingSet, tile_grid
@@ -26,7 +26,7 @@ def on_tiles(field: np.ndarray, chosen: np.ndarray, dtype: type) -> WorkingSet:
     n, m = field.shape
     tops, lefts = points.corners
     for tile, (top, left) in enumerate(zip(tops, lefts, strict=True)):
-        block = np.zeros((points.height, loops.TILE), dtype)
+        block: np.ndarray = np.zeros((points.height, loops.TILE), dtype)
         part = field[top : top + points.height, left : left + loops.TILE]
         block[: part.shape[0], : part.shape[1]] = part
         points.p.reshape(-1, points.tile_size)[tile] = block.ravel()
@@ -83,7 +83,7 @@ def test_no_displacement_is_lower_than_the_bound(rng: np.random.Generator) -> No
 @pytest.mark.parametrize("precision", ["mixed", "double"])
 @pytest.mark.parametrize("shape", [(256, 256), (181, 250)], ids=str)
 def test_same_states_as_with_transforms(
-    shape: tuple[int, int], precision: str, rough: Rough, monkeypatch: pytest.MonkeyPatch
+    shape: tuple[int, int], precision: Precision, rough: Rough, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     heights = rough(256, per_wave=4.0, q_rolloff=2.0)[: shape[0], : shape[1]]
     loads = np.geomspace(1e-7, 3e-5, 6)
