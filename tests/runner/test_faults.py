@@ -29,4 +29,4 @@ def test_a_short_campaign() -> None:
     )
     assert done.returncode == 0, done.stderr
     assert "all ended with the bytes of" in done.stdout
-    assert "| group | 3 | 3 × -9 |" in done.stdout
+    assert "| group | 3 | 3 × -9" in done.stdout  # a run may also end before its kill
