@@ -37,6 +37,23 @@ def publish(write: Callable[[IO[bytes]], object], path: Path) -> None:
     _sync_folder(path.parent)
 
 
+def make_folder(folder: Path) -> None:
+    """Make a folder for output, with its parents, where it does not exist.
+
+    Raises
+    ------
+    StoreError
+        If it cannot be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise StoreError(
+            f"cannot make the folder {folder}: {error.strerror or error}; "
+            "choose another place with -o"
+        ) from error
+
+
 def commit(data: bytes, path: str | os.PathLike[str]) -> Path:
     """Publish ``data`` as the file ``path``, see :func:`publish`.
 

@@ -9,8 +9,7 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from roughbench.errors import StoreError
-from roughbench.store import commit
+from roughbench.publish import commit, make_folder
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -116,13 +115,7 @@ def save(figure: Figure, name: str, folder: Path) -> list[Path]:
     StoreError
         If the folder cannot be made, or the files not be written.
     """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise StoreError(
-            f"cannot make the folder {folder}: {error.strerror or error}; "
-            "choose another place with -o"
-        ) from error
+    make_folder(folder)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")  # laid out: the same in both files
     undated: dict[str, dict[str, None]] = {

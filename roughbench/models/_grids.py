@@ -1,4 +1,4 @@
-"""The grid that contenders choose when the spec leaves it to them."""
+"""The grid that models choose when the spec leaves it to them."""
 
 from __future__ import annotations
 

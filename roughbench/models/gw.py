@@ -27,6 +27,7 @@ Source: J. A. Greenwood and J. B. P. Williamson (1966); P. R. Nayak (1971); J. I
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal
@@ -202,15 +203,31 @@ class AsperityModel(Model):
         """Points per side: the option, or four per shortest wavelength."""
         return chosen_grid(self.grid, spectrum, length)
 
-    def _spectrum(self, sample: Sample) -> Spectrum:
-        if sample.spectrum is None:
-            raise SurfaceError(f"{self.kind} with summits: nayak needs a spectrum")
-        return sample.spectrum
-
-    def _heights(self, sample: Sample) -> FloatArray:
+    def curve(
+        self,
+        sample: Sample,
+        pressures: FloatArray,
+        *,
+        threads: int = 1,
+        solved: Solved | None = None,
+    ) -> Curve:
+        """Return the curve of the spectrum, or of the summits of one surface."""
+        del threads, solved
+        if self.summits == "nayak":
+            if sample.spectrum is None:
+                raise SurfaceError(f"{self.kind} with summits: nayak needs a spectrum")
+            return self._of_spectrum(sample.spectrum, pressures)
         if sample.heights is None:
             raise SolverError(f"{self.kind} with summits: counted needs heights")
-        return sample.heights
+        return self._of_heights(sample.heights, pressures, sample.length)
+
+    @abstractmethod
+    def _of_spectrum(self, spectrum: Spectrum, pressures: FloatArray) -> Curve: ...
+
+    @abstractmethod
+    def _of_heights(
+        self, heights: FloatArray, pressures: FloatArray, length: float
+    ) -> Curve: ...
 
 
 class GreenwoodWilliamson(AsperityModel):
@@ -225,16 +242,8 @@ class GreenwoodWilliamson(AsperityModel):
             ", counted summits" if self.summits == "counted" else ""
         )
 
-    def curve(
-        self,
-        sample: Sample,
-        pressures: FloatArray,
-        *,
-        threads: int = 1,
-        solved: Solved | None = None,
-    ) -> Curve:
-        """Return the curve of the spectrum, or of the summits of one surface."""
-        del threads, solved
-        if self.summits == "nayak":
-            return gw_curve(self._spectrum(sample), pressures)
-        return counted_gw_curve(self._heights(sample), pressures, sample.length)
+    def _of_spectrum(self, spectrum: Spectrum, pressures: FloatArray) -> Curve:
+        return gw_curve(spectrum, pressures)
+
+    def _of_heights(self, heights: FloatArray, pressures: FloatArray, length: float) -> Curve:
+        return counted_gw_curve(heights, pressures, length)

@@ -45,7 +45,7 @@ from roughbench.models._asperities import Distribution, counted_curve, integrate
 from roughbench.models._checks import checked_length, checked_pressures
 from roughbench.models._gaussian_excess import Weight
 from roughbench.models._summits import find_summits
-from roughbench.models.base import Curve, FloatArray, Sample, Solved
+from roughbench.models.base import Curve, FloatArray
 from roughbench.models.gw import AsperityModel
 from roughbench.spectrum import Spectrum
 
@@ -173,16 +173,8 @@ class Elliptic(AsperityModel):
         """Name in legends and tables."""
         return "Elliptic asperities" + (", counted" if self.summits == "counted" else "")
 
-    def curve(
-        self,
-        sample: Sample,
-        pressures: FloatArray,
-        *,
-        threads: int = 1,
-        solved: Solved | None = None,
-    ) -> Curve:
-        """Return the curve of the spectrum, or of the summits of one surface."""
-        del threads, solved
-        if self.summits == "nayak":
-            return elliptic_curve(self._spectrum(sample), pressures)
-        return counted_elliptic_curve(self._heights(sample), pressures, sample.length)
+    def _of_spectrum(self, spectrum: Spectrum, pressures: FloatArray) -> Curve:
+        return elliptic_curve(spectrum, pressures)
+
+    def _of_heights(self, heights: FloatArray, pressures: FloatArray, length: float) -> Curve:
+        return counted_elliptic_curve(heights, pressures, length)

@@ -10,10 +10,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.errors import StoreError
 from roughbench.observables import Average
 from roughbench.observe.driver import GAMMA, Observations, Observed, Saved
-from roughbench.publish import commit
+from roughbench.publish import commit, make_folder
 
 
 def write_observations(observations: Observations, folder: Path) -> list[Path]:
@@ -35,13 +34,7 @@ def write_observations(observations: Observations, folder: Path) -> list[Path]:
     StoreError
         If the folder cannot be made, or a file not be written.
     """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise StoreError(
-            f"cannot make the folder {folder}: {error.strerror or error}; "
-            "choose another place with -o"
-        ) from error
+    make_folder(folder)
     paths = []
     if any(observations.experiments.values()):
         text = json.dumps(_content(observations), indent=1, ensure_ascii=False, allow_nan=False)

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from roughbench.errors import SolverError
+from roughbench.models._grids import chosen_grid
 from roughbench.models.base import Curve, FloatArray, Model, Sample, Solved
 from roughbench.spectrum import Spectrum
-from roughbench.surface import check_grid, highest_mode
 
 
 class HalfSpace(Model):
@@ -47,10 +47,7 @@ class HalfSpace(Model):
 
     def grid_points(self, spectrum: Spectrum, length: float) -> int:
         """Points per side: the option, or four per shortest wavelength."""
-        if self.grid is None:
-            return max(2, 4 * highest_mode(spectrum, length))
-        check_grid(self.grid, spectrum, length)
-        return self.grid
+        return chosen_grid(self.grid, spectrum, length)
 
     def curve(
         self,

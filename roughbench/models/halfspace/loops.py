@@ -105,12 +105,6 @@ def _copy(source, i, target, j, width):
 
 
 @_inline
-def _room(size, like):
-    """Zeros for one tile. More than that, so that they lie apart from p, r, d and s."""
-    return np.zeros(max(size, 256), like.dtype)
-
-
-@_inline
 def _stencil(north, here, south, c, w0, wx, wy, wd):
     """3 × 3 stencil around column c of a grid with a halo, where it is column c + 1."""
     return (
@@ -440,7 +434,8 @@ def advance(a, b, height, rows, tiles, one, t_p, t_r, alpha, p, r, s, y, count, 
     size = height * TILE
     zero = one - one
     total = 0.0
-    lowest = _room(size, p)  # one minimum per place in a tile: no reduction
+    # One minimum per place in a tile: no reduction. Its room keeps it apart from p … y.
+    lowest = np.zeros(max(size, 256), p.dtype)
     for tile_row in range(a, b):
         i0 = tile_row * height
         rows_here = min(height, n - i0)
