@@ -110,7 +110,9 @@ def alike_but(cases: Sequence[Case], name: str) -> list[list[Case]]:
             exact.attributes["seed"],
             exact["pressure"].tobytes(),
             round(
-                float(exact.attributes["grid_points"]) / float(exact.attributes["length"]), 9
+                float(exact.attributes.get("grid_points", 0))
+                / float(exact.attributes["length"]),
+                9,
             ),
         )
         groups.setdefault(key, {}).setdefault(exact.attributes[name], case)

@@ -28,8 +28,9 @@ def size_exponent(
     series : sequence of ModelResult
         One model in cells of different ``length``, the first the smallest.
     start, end : float
-        p/E*: where the exact solution in the smallest cell has K ∼ p. The separation that is compared is that of the series'
-        first model at the pressure in the middle (of ln p).
+        p/E*: where the exact solution in the smallest cell has K ∼ p. The separation that
+        is compared is that of the series' first model at the pressure in the middle (of
+        ln p).
     resamples : int
 
     Returns
