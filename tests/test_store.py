@@ -22,8 +22,9 @@ from hypothesis.extra import numpy as hypothesis_numpy
 from roughbench import store
 from roughbench.errors import StoreError
 from roughbench.publish import check_writable
-from roughbench.results import Array, Attribute, ModelResult, Results, dimensions
+from roughbench.results import Array, Attribute, ModelResult, Results
 from roughbench.store import load, write_results
+from roughbench.variables import dimensions
 
 PRESSURES = np.array([1e-3, 1e-2, 0.1])
 

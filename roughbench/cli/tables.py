@@ -11,7 +11,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from roughbench.results import Array, Attribute, ModelResult, Results, dimensions
+from roughbench.results import Array, Attribute, ModelResult, Results
+from roughbench.variables import dimensions
 
 _OF_SURFACE = (
     "surface",
