@@ -111,7 +111,8 @@ def _saved_realizations(tree: Any, saved: SavedFields, models: Numbered) -> Iter
                 )
                 yield Finding(
                     ("save_fields", "realizations", number),
-                    f"{model.name} has only {there}; remove {realization}, or raise realizations",
+                    f"{model.name} has only {there}; remove {realization}, or raise "
+                    "realizations",
                 )
 
 

@@ -15,7 +15,8 @@ import roughbench as rb
 from roughbench.ensemble import summarize
 from roughbench.figures import FIGURES, render
 from roughbench.figures.style import publication_style
-from roughbench.results import AVERAGED, ModelResult, Results
+from roughbench.results import ModelResult, Results
+from roughbench.variables import AVERAGED
 
 FloatArray = NDArray[np.float64]
 Make = Callable[..., ModelResult]
