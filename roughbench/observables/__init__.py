@@ -71,7 +71,7 @@ __all__ = [
 ObservableName = Literal[
     "pressure_pdf", "gap_pdf", "stress_spectrum", "contact_spectrum", "clusters", "energy"
 ]
-OBSERVABLES: dict[str, Callable[[Field], Profile]] = {
+OBSERVABLES: dict[ObservableName, Callable[[Field], Profile]] = {
     "pressure_pdf": pressure_pdf,
     "gap_pdf": gap_pdf,
     "stress_spectrum": stress_spectrum,
