@@ -77,10 +77,7 @@ def _groups(results: Results) -> Iterator[tuple[str, list[ContactMap]]]:
         for (r, p), maps in sorted(found.items(), key=lambda group: group[0]):
             words = [experiment_label(experiment), f"realization {r}" if r else ""]
             pressure = number_text(p).strip("$")
-            yield (
-                ", ".join(filter(None, [rf"$p/{MODULUS} = {pressure}$", *words])),
-                maps,
-            )
+            yield "\n".join(filter(None, [rf"$p/{MODULUS} = {pressure}$", *words])), maps
 
 
 def contact_maps(groups: Mapping[str, Sequence[ContactMap]]) -> Figure:
@@ -122,6 +119,6 @@ def contact_maps(groups: Mapping[str, Sequence[ContactMap]]) -> Figure:
             axes.set_title(f"{drawn.title}\n{100 * share:.3g} % of the points", fontsize=7.5)
             used.append(axes)
     if image is not None:
-        bar = figure.colorbar(image, ax=used, location="bottom", extend="max")
+        bar = figure.colorbar(image, ax=used, location="bottom", extend="max", aspect=30)
         bar.set_label(rf"pressure $\sigma/{MODULUS}\xi$")
     return figure

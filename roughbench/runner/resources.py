@@ -23,8 +23,8 @@ _PROCESS = 300 * 2**20
 """Bytes of a process with its libraries; measured: 260 MB."""
 _PER_POINT = 72
 """Bytes per point for a model that does not solve; measured: 70 (winkler)."""
-_PER_POINT_OBSERVED = 120
-"""Bytes per point to take observables from one state; measured: 110 (clusters)."""
+_PER_POINT_OBSERVED = 60
+"""Bytes per point to take observables from a state; measured: 43, beside its fields."""
 _PER_POINT_OF_FIELD = 16
 _FRACTION = 0.8
 _SECONDS_WORTH_PROCESSES = 4.0
