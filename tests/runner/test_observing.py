@@ -239,6 +239,14 @@ def test_xarray_opens_all_of_it(file: Path) -> None:
             assert data["pressure_pdf"].attrs["units"] == "1"
 
 
+def test_a_run_returns_what_the_file_holds(file: Path, seen: Results) -> None:
+    again = rb.run(TREE, output=file, threads=1)  # from its shards
+    for label, result in again["main"].items():
+        assert list(result) == list(seen["main"][label])
+        for name in result:
+            np.testing.assert_array_equal(result[name], seen["main"][label][name])
+
+
 def test_a_file_that_asks_for_nothing_is_of_the_first_version(
     file: Path, tmp_path: Path
 ) -> None:
