@@ -5,8 +5,9 @@ either the old file or the whole new one, whatever happens in between. The bytes
 on the results alone: no times, no names of machines.
 
 ``/<experiment>/<label>`` holds one model's arrays with dimension scales ``realization``
-and ``pressure``, and those of observables and fields (:mod:`roughbench.variables`); the root holds ``format``, ``format_version``, ``name``, ``spec`` and
-``spec_sha256``. Behind the HDF5 file stands the checksum of its bytes.
+and ``pressure``, and those of observables and fields (:mod:`roughbench.variables`); the root
+holds ``format``, ``format_version``, ``name``, ``spec`` and ``spec_sha256``. Behind the HDF5
+file stands the checksum of its bytes.
 """
 
 from __future__ import annotations

@@ -86,12 +86,12 @@ class Cell:
         takes 0.14 µs per point and pressure on a surface (512² points), 2.2 µs on a line;
         models that do not iterate take 0.4 µs per point of a line and 0.1 µs per point of
         a surface for all pressures, theories of the spectrum 2 to 80 ms. All observables
-        together take 0.1 µs per point and pressure.
+        together take 0.17 µs per point and pressure.
         """
         dimension, n_points = self.model.dimension, float(self.n_points)
         if dimension == 0:
             return 1e4
-        observed = 0.1 * len(self.pressures) if self.asked.observables else 0.0
+        observed = 0.17 * len(self.pressures) if self.asked.observables else 0.0
         if self.model.iterative:
             solved = len(self.pressures) * (2.0 if dimension == 1 else 0.15)
         else:
