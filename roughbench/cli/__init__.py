@@ -33,7 +33,6 @@ COMMANDS = (
     "clean",
     "show",
     "fit",
-    "observe",
     "plot",
     "export",
     "validate",
