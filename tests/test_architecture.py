@@ -25,6 +25,7 @@ LAYERS = (
     "variables",
     "results",
     "fits",
+    "verdict",
     "store",
     "runner",
     "figures",

@@ -185,7 +185,8 @@ def test_a_spec_in_the_documentation_is_valid(block: str) -> None:
 @pytest.mark.parametrize("path", sorted((ROOT / "configs").rglob("*.yaml")), ids=name)
 def test_a_config_is_valid_and_documented(path: Path) -> None:
     check(plan(load_spec(path)))
-    target = f"paper-{path.stem}" if path.parent.name == "paper" else path.stem
+    folder = path.parent.name
+    target = path.stem if folder == "configs" else f"{folder}-{path.stem}"
     known = {"quick": "demo"}.get(target, target)
     assert known in TARGETS
 
