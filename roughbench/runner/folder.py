@@ -309,6 +309,10 @@ class RunFolder:
         name = f"{key}-{first}-{content.hexdigest()[:12]}.npz"
         return Checkpoint(self._checkpoints.absolute() / name)
 
+    def states_in_checkpoints(self) -> int:
+        """Return the number of finished states of unfinished curves."""
+        return sum(Checkpoint(path).done() for path in _entries(self._checkpoints))
+
     def write_request(self, request: dict[str, Any]) -> None:
         """Note what the run was asked for, for ``status``."""
         commit(json.dumps(request, indent=1).encode(), self.path / "run.json")
