@@ -34,6 +34,7 @@ from roughbench.fits.resampling import (
     estimate,
     resampled_means,
 )
+from roughbench.fits.tables import PERCENTS, QUANTITIES
 from roughbench.results import ModelResult, Results
 
 __all__ = ["PERCENTS", "QUANTITIES", "RESAMPLES", "Estimate", "fit", "reference_of"]
@@ -42,8 +43,6 @@ Fits = dict[str, dict[str, dict[str, Estimate]]]
 """Experiment → label → name → estimate."""
 
 RESAMPLES = 1000
-QUANTITIES = ("area", "separation", "stiffness")
-PERCENTS = (10, 50)
 
 
 def reference_of(models: dict[str, ModelResult], reference: str | None = None) -> str | None:
