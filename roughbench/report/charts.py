@@ -1,0 +1,366 @@
+"""The curves of a results file as interactive charts: data and axes for plotly.
+
+The page's own script draws them and connects them with the switches of models and
+experiments; it knows each trace by the entries of its ``meta``.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roughbench.figures.curves import Curve, Quantity, curve_of
+from roughbench.report.looks import Look, experiment_dashes
+from roughbench.report.markup import number, with_error
+from roughbench.report.sources import Source, experiment_html
+from roughbench.results import ModelResult
+
+if TYPE_CHECKING:
+    from plotly.graph_objects import Figure
+
+FloatArray = NDArray[np.float64]
+Scale = Callable[[ModelResult, FloatArray], FloatArray]
+
+_FLOOR = 1e-3
+"""Bands do not fall below this part of their curve: a logarithmic axis has no zero."""
+_FONT = "system-ui, -apple-system, 'Segoe UI', 'Helvetica Neue', Arial, sans-serif"
+_INK = "#222222"
+_GRID = "#e4e4e4"
+
+
+def _as_it_is(_result: ModelResult, pressure: FloatArray) -> FloatArray:
+    return np.ones_like(pressure)
+
+
+def _slope_by_pressure(result: ModelResult, pressure: FloatArray) -> FloatArray:
+    return float(result.attributes["rms_slope"]) / pressure
+
+
+def _by_pressure(_result: ModelResult, pressure: FloatArray) -> FloatArray:
+    return 1.0 / pressure
+
+
+@dataclass(frozen=True, slots=True)
+class Plot:
+    """One kind of chart over the pressure.
+
+    Attributes
+    ----------
+    key : str
+    title : str
+        HTML.
+    axis : str
+        Of the ordinate, in plotly's subset of HTML.
+    quantity : {"area", "separation", "stiffness"}
+        Where its values come from.
+    scale : callable
+        What they are multiplied by, at each pressure.
+    lowest, highest : float
+        What is cut off at first, until the reader zooms out.
+    is_log : bool
+        Whether the ordinate is logarithmic at first.
+    """
+
+    key: str
+    title: str
+    axis: str
+    quantity: Quantity
+    scale: Scale = _as_it_is
+    lowest: float = 0.0
+    highest: float = math.inf
+    is_log: bool = True
+
+
+PLOTS = (
+    Plot("area", "Contact area", "A/A<sub>0</sub>", "area"),
+    Plot(
+        "kappa",
+        "Is the area proportional to the pressure? κ = (A/A<sub>0</sub>) E*ξ/p",
+        "κ = (A/A<sub>0</sub>) E*ξ/p",
+        "area",
+        _slope_by_pressure,
+    ),
+    Plot(
+        "separation",
+        "Mean separation",
+        "ū/h<sub>rms</sub>",
+        "separation",
+        lowest=1e-4,
+        is_log=False,
+    ),
+    Plot("stiffness", "Stiffness", "K h<sub>rms</sub>/E*", "stiffness", highest=1e2),
+    Plot(
+        "stiffness-by-pressure",
+        "Is the stiffness proportional to the pressure? K h<sub>rms</sub>/p",
+        "K h<sub>rms</sub>/p",
+        "stiffness",
+        _by_pressure,
+        highest=1e3,
+    ),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Chart:
+    """One chart of the page.
+
+    Attributes
+    ----------
+    key : str
+        Tells it from the others of its file.
+    title : str
+        HTML.
+    label : str
+        Plain text in place of the picture.
+    content : str
+        JSON for the page's script: data, layout, ranges of the axes.
+    """
+
+    key: str
+    title: str
+    label: str
+    content: str
+
+
+def curve_charts(source: Source, looks: dict[str, Look]) -> list[Chart]:
+    """Return the charts of all curves over the pressure.
+
+    Parameters
+    ----------
+    source : Source
+    looks : dict of str to Look
+        By label.
+
+    Returns
+    -------
+    list of Chart
+        One of each of :data:`PLOTS`.
+    """
+    return [_chart(source, plot, looks) for plot in PLOTS]
+
+
+def _chart(source: Source, plot: Plot, looks: dict[str, Look]) -> Chart:
+    dashes = experiment_dashes(list(source.results))
+    traces: list[dict[str, Any]] = []
+    seen = []
+    for experiment, result in source.models():
+        curve = curve_of(result, plot.quantity)
+        factor = plot.scale(result, curve.pressure)
+        line = Line(
+            x=curve.pressure,
+            y=curve.value * factor,
+            lower=curve.lower * factor,
+            upper=curve.upper * factor,
+            words=_hover(curve, factor, plot),
+            name=_name(source, experiment, result),
+            meta={"model": result.label, "experiment": experiment},
+        )
+        traces += line_traces(line, looks[result.label], dashes[experiment])
+        seen.append(line.y)
+    ranges = _ranges(np.concatenate(seen), plot)
+    label = (
+        f"{_plain(plot.axis)} against p/E*, {len(traces) // 2} curves of {source.name}; "
+        "the tables of the report say in numbers what they show"
+    )
+    figure = figure_of(traces, "pressure p/E*", plot.axis, is_log=(True, plot.is_log))
+    return Chart(plot.key, plot.title, label, content(figure, ranges))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Line:
+    """One curve with its band.
+
+    Attributes
+    ----------
+    x, y, lower, upper : ndarray of float64, shape (P,)
+        What is not finite is left out.
+    words : list of str
+        What hovering over each point shows.
+    name : str
+        In plotly's subset of HTML.
+    meta : dict
+        By which the page's script finds it.
+    """
+
+    x: FloatArray
+    y: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+    words: list[str]
+    name: str
+    meta: dict[str, Any]
+
+
+def line_traces(line: Line, look: Look, dash: str) -> list[dict[str, Any]]:
+    """Return the traces of a curve: its band, which may be empty, and the curve over it."""
+    known = np.isfinite(line.y)
+    y = np.where(known, line.y, math.nan)
+    band = {
+        **_band(line, known),
+        "type": "scatter",
+        "mode": "lines",
+        "fill": "toself",
+        "fillcolor": _transparent(look.colour),
+        "line": {"width": 0, "color": look.colour},
+        "hoverinfo": "skip",
+        "showlegend": False,
+        "name": line.name,
+        "meta": line.meta | {"role": "band"},
+    }
+    curve = {
+        "type": "scatter",
+        "mode": "lines+markers",
+        "x": _numbers(line.x),
+        "y": _numbers(y),
+        "text": line.words,
+        "hovertemplate": "%{text}<extra></extra>",
+        "line": {"width": 1.6, "color": look.colour, "dash": dash},
+        "marker": {
+            "symbol": look.symbol,
+            "size": 6,
+            "color": look.colour,
+            "line": {"width": 1.2 if look.symbol.endswith("open") else 0, "color": look.colour},
+        },
+        "connectgaps": False,
+        "name": line.name,
+        "meta": line.meta | {"role": "curve"},
+    }
+    return [band, curve]
+
+
+def _band(line: Line, known: NDArray[np.bool_]) -> dict[str, list[float | None]]:
+    """Return the outlines of the band: one polygon for every unbroken stretch."""
+    has = known & np.isfinite(line.lower) & np.isfinite(line.upper)
+    lower = np.maximum(line.lower, _FLOOR * np.abs(np.where(known, line.y, 1.0)))
+    x: list[float | None] = []
+    y: list[float | None] = []
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], has, [False]]).astype(int)))
+    for start, end in edges.reshape(-1, 2):
+        if end - start > 1:
+            there = line.x[start:end]
+            x += [*_numbers(there), *_numbers(there[::-1]), None]
+            y += [*_numbers(line.upper[start:end]), *_numbers(lower[start:end][::-1]), None]
+    return {"x": x[:-1], "y": y[:-1]}
+
+
+def _hover(curve: Curve, factor: FloatArray, plot: Plot) -> list[str]:
+    words = []
+    for p, value, low, high, is_median, f in zip(
+        curve.pressure,
+        curve.value,
+        curve.lower,
+        curve.upper,
+        curve.is_median,
+        factor,
+        strict=True,
+    ):
+        if is_median:
+            shown = f"{number(value * f)} (median; {number(low * f)} to {number(high * f)})"
+        else:
+            shown = with_error(value * f, (high - low) / 2.0 * f, 4)
+        words.append(f"p/E* = {number(p)}<br>{plot.axis.partition(' = ')[0]} = {shown}")
+    return words
+
+
+def _name(source: Source, experiment: str, result: ModelResult) -> str:
+    from roughbench.report.markup import escape
+
+    name = f"{escape(result.label)}"
+    if len(source.results) > 1:
+        name += f", {experiment_html(experiment)}"
+    return name
+
+
+def _ranges(values: FloatArray, plot: Plot) -> dict[str, list[float] | None]:
+    """Return what both kinds of ordinate show at first; None: everything."""
+    finite = values[np.isfinite(values) & (values > 0.0)]
+    if finite.size == 0:
+        return {"log": None, "linear": None}
+    low = max(float(finite.min()), plot.lowest)
+    high = min(float(finite.max()), plot.highest)
+    log = [math.log10(low / 1.4), math.log10(high * 1.4)] if low < high else None
+    top = min(float(finite.max()), 4.0 * float(np.quantile(finite, 0.75)))
+    return {"log": log, "linear": [0.0, 1.05 * top]}
+
+
+def figure_of(
+    traces: Sequence[dict[str, Any]],
+    x_axis: str,
+    y_axis: str,
+    *,
+    is_log: tuple[bool, bool] = (True, True),
+) -> Figure:
+    """Return a figure in the look of the page, checked by plotly.
+
+    Parameters
+    ----------
+    traces : sequence of dict
+        For plotly.
+    x_axis, y_axis : str
+        Titles of the axes.
+    is_log : (bool, bool)
+        Which axes are logarithmic at first.
+    """
+    import plotly.graph_objects as go
+
+    axis = {
+        "showline": True,
+        "linecolor": _INK,
+        "linewidth": 1,
+        "mirror": True,
+        "ticks": "inside",
+        "ticklen": 5,
+        "tickcolor": _INK,
+        "gridcolor": _GRID,
+        "zeroline": False,
+        "exponentformat": "power",
+        "showexponent": "all",
+        "minor": {"ticks": "inside", "ticklen": 3, "tickcolor": _INK},
+        "automargin": True,
+    }
+    layout = {
+        "template": "none",
+        "font": {"family": _FONT, "size": 12, "color": _INK},
+        "margin": {"l": 8, "r": 12, "t": 10, "b": 8},
+        "paper_bgcolor": "white",
+        "plot_bgcolor": "white",
+        "showlegend": False,
+        "hovermode": "closest",
+        "hoverlabel": {"bgcolor": "white", "font": {"color": _INK, "size": 12}},
+        "dragmode": "zoom",
+        "xaxis": axis | {"title": {"text": x_axis}, "type": _type(is_log[0])},
+        "yaxis": axis | {"title": {"text": y_axis}, "type": _type(is_log[1])},
+    }
+    return go.Figure(data=list(traces), layout=layout)
+
+
+def _type(is_log: bool) -> str:  # noqa: FBT001
+    return "log" if is_log else "linear"
+
+
+def content(figure: Figure, ranges: dict[str, list[float] | None] | None = None) -> str:
+    """Return a figure as JSON that may stand in a script element."""
+    drawn = json.loads(figure.to_json(engine="json"))
+    drawn["ranges"] = ranges or {"log": None, "linear": None}
+    text = json.dumps(drawn, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c")
+
+
+def _numbers(values: FloatArray) -> list[float | None]:
+    """Return numbers with the digits that a picture can show; None for what is none."""
+    return [float(f"{v:.7g}") if math.isfinite(v) else None for v in values.tolist()]
+
+
+def _transparent(colour: str) -> str:
+    red, green, blue = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
+    return f"rgba({red},{green},{blue},0.18)"
+
+
+def _plain(text: str) -> str:
+    return text.replace("<sub>", "").replace("</sub>", "")

@@ -1,0 +1,81 @@
+"""The results files of a report, under names that tell them apart and no one's folders."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from roughbench.errors import StoreError
+from roughbench.figures.words import experiment_label
+from roughbench.report.markup import from_mathtext
+from roughbench.results import ModelResult, Results
+from roughbench.store import load
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Source:
+    """One results file.
+
+    Attributes
+    ----------
+    name : str
+        Of the file, with as many of its folders as it takes to tell it from the others.
+    results : Results
+    """
+
+    name: str
+    results: Results
+
+    def models(self) -> Iterator[tuple[str, ModelResult]]:
+        """Yield every (experiment, result), in the order of the spec."""
+        return self.results.models()
+
+
+def read_sources(paths: Sequence[Path]) -> list[Source]:
+    """Read results files.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+
+    Returns
+    -------
+    list of Source
+        In the order given.
+
+    Raises
+    ------
+    StoreError
+        If a file is missing, damaged or none of roughbench, or is given twice.
+    """
+    return [
+        Source(name, load(path)) for name, path in zip(names_of(paths), paths, strict=True)
+    ]
+
+
+def names_of(paths: Sequence[Path]) -> list[str]:
+    """Return the shortest ends of the paths that tell them apart.
+
+    Examples
+    --------
+    >>> names_of([Path("a/quick.h5"), Path("b/quick.h5")])
+    ['a/quick.h5', 'b/quick.h5']
+    """
+    parts = [path.absolute().resolve().parts for path in paths]
+    for number, own in enumerate(parts):
+        if own in parts[:number]:
+            raise StoreError(f"{paths[number]}: given twice; give every results file once")
+    return [_name(own, [other for other in parts if other is not own]) for own in parts]
+
+
+def _name(own: tuple[str, ...], others: Sequence[tuple[str, ...]]) -> str:
+    length = 1
+    while any(other[-length:] == own[-length:] for other in others):
+        length += 1
+    return "/".join(own[-length:])
+
+
+def experiment_html(experiment: str) -> str:
+    """Return the name of an experiment as HTML, ``main`` for the only one."""
+    return from_mathtext(experiment_label(experiment)) or "main"

@@ -1,0 +1,111 @@
+"""The verdicts on the paper's claims as HTML: counts, and the table with what was measured."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from roughbench.report.markup import escape, with_error
+from roughbench.verdict import Measurement, Outcome, Verdict
+
+MOST_OPEN = 12
+"""Measurements of a claim that are shown at once; longer lists unfold."""
+_SYMBOLS = {
+    Outcome.HOLDS: "✓",
+    Outcome.FAILS: "✗",
+    Outcome.UNDECIDED: "?",
+    Outcome.NOT_TESTED: "–",
+}
+
+
+def badge(outcome: Outcome) -> str:
+    """Return the outcome as a symbol and a word, coloured by its class."""
+    return (
+        f'<span class="badge {_class(outcome)}"><span aria-hidden="true">'
+        f"{_SYMBOLS[outcome]}</span> {escape(outcome.value)}</span>"
+    )
+
+
+def _class(outcome: Outcome) -> str:
+    return outcome.value.replace(" ", "-")
+
+
+def summary(verdicts: Sequence[Verdict]) -> str:
+    """Return how many claims hold, fail, and so on, each with links to its claims."""
+    rows = []
+    for outcome in Outcome:
+        meant = [(n, v) for n, v in enumerate(verdicts, 1) if v.outcome is outcome]
+        links = " ".join(
+            f'<a href="#claim-{escape(v.key)}" title="{escape(v.claim)}">{n}</a>'
+            for n, v in meant
+        )
+        rows.append(
+            f'<div class="count {_class(outcome)}"><dt>{badge(outcome)}</dt>'
+            f"<dd><strong>{len(meant)}</strong> "
+            f'<span class="claims">{links}</span></dd></div>'
+        )
+    return f'<dl class="counts">{"".join(rows)}</dl>'
+
+
+def verdict_table(verdicts: Sequence[Verdict]) -> str:
+    """Return the table of all claims, one row each."""
+    rows = "\n".join(_row(number, verdict) for number, verdict in enumerate(verdicts, 1))
+    return (
+        '<table class="verdicts"><thead><tr><th scope="col">No.</th>'
+        '<th scope="col">Claim, and how it is decided</th><th scope="col">Measured</th>'
+        f'<th scope="col">Verdict</th></tr></thead>\n<tbody>\n{rows}\n</tbody></table>'
+    )
+
+
+def _row(number: int, verdict: Verdict) -> str:
+    return (
+        f'<tr id="claim-{escape(verdict.key)}"><th scope="row">{number}</th>'
+        f'<td class="claim"><p class="place">{escape(verdict.place)}</p>'
+        f"<p>{escape(verdict.claim)}</p>"
+        f'<p class="rule"><span class="lead">Rule.</span> {escape(verdict.rule)}</p></td>'
+        f'<td class="measured">{_measured(number, verdict)}</td>'
+        f'<td class="outcome">{badge(verdict.outcome)}</td></tr>'
+    )
+
+
+def _measured(number: int, verdict: Verdict) -> str:
+    remedy = ""
+    if verdict.remedy:
+        remedy = (
+            '<p class="remedy"><span class="lead">To test it:</span> '
+            f"{escape(verdict.remedy)}</p>"
+        )
+    if not verdict.measurements:
+        return remedy or "<p>–</p>"
+    rows = "".join(_measurement(measured) for measured in verdict.measurements)
+    count = len(verdict.measurements)
+    state = " open" if count <= MOST_OPEN else ""
+    tally = ", ".join(
+        f"{many} {escape(outcome.value)}"
+        for outcome in Outcome
+        if (many := sum(m.outcome is outcome for m in verdict.measurements))
+    )
+    plural = "s" * (count > 1)
+    return (
+        f"<details{state}><summary>{count} measurement{plural}: {tally}</summary>"
+        f'<table class="measurements" aria-label="Measurements for claim {number}">'
+        '<thead><tr><th scope="col">where</th><th scope="col">what</th>'
+        '<th scope="col">value ± error</th><th scope="col">outcome</th></tr></thead>'
+        f"<tbody>{rows}</tbody></table></details>{remedy}"
+    )
+
+
+def _measurement(measured: Measurement) -> str:
+    value = with_error(measured.value, measured.error)
+    if measured.bound and math.isfinite(measured.value):
+        value = f"{escape(measured.bound)} {value}"
+    note = f'<span class="note">{escape(measured.note)}</span>' if measured.note else ""
+    outcome = (
+        f'<span class="{_class(measured.outcome)}"><span aria-hidden="true">'
+        f"{_SYMBOLS[measured.outcome]}</span> {escape(measured.outcome.value)}</span>"
+    )
+    where = escape(measured.where).replace("/", "/<wbr>")
+    return (
+        f'<tr><th scope="row">{where}</th><td>{escape(measured.what)}{note}</td>'
+        f'<td class="value">{value}</td><td>{outcome}</td></tr>'
+    )
