@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from roughbench.figures.curves import Curve, Quantity, curve_of
 from roughbench.report.looks import Look, experiment_dashes
-from roughbench.report.markup import number, with_error
+from roughbench.report.markup import escape, number, with_error
 from roughbench.report.sources import Source, experiment_html
 from roughbench.results import ModelResult
 
@@ -158,7 +158,7 @@ def _chart(source: Source, plot: Plot, looks: dict[str, Look]) -> Chart:
             lower=curve.lower * factor,
             upper=curve.upper * factor,
             words=_hover(curve, factor, plot),
-            name=_name(source, experiment, result),
+            name=curve_name(source, experiment, result),
             meta={"model": result.label, "experiment": experiment},
         )
         traces += line_traces(line, looks[result.label], dashes[experiment])
@@ -219,7 +219,7 @@ def line_traces(line: Line, look: Look, dash: str) -> list[dict[str, Any]]:
         "x": _numbers(line.x),
         "y": _numbers(y),
         "text": line.words,
-        "hovertemplate": "%{text}<extra></extra>",
+        "hovertemplate": f"<b>{line.name}</b><br>%{{text}}<extra></extra>",
         "line": {"width": 1.6, "color": look.colour, "dash": dash},
         "marker": {
             "symbol": look.symbol,
@@ -268,13 +268,10 @@ def _hover(curve: Curve, factor: FloatArray, plot: Plot) -> list[str]:
     return words
 
 
-def _name(source: Source, experiment: str, result: ModelResult) -> str:
-    from roughbench.report.markup import escape
-
-    name = f"{escape(result.label)}"
-    if len(source.results) > 1:
-        name += f", {experiment_html(experiment)}"
-    return name
+def curve_name(source: Source, experiment: str, result: ModelResult) -> str:
+    """Return how a curve is called, in plotly's subset of HTML."""
+    name = escape(result.label)
+    return name if len(source.results) == 1 else f"{name}, {experiment_html(experiment)}"
 
 
 def _ranges(values: FloatArray, plot: Plot) -> dict[str, list[float] | None]:
@@ -334,8 +331,8 @@ def figure_of(
         "hovermode": "closest",
         "hoverlabel": {"bgcolor": "white", "font": {"color": _INK, "size": 12}},
         "dragmode": "zoom",
-        "xaxis": axis | {"title": {"text": x_axis}, "type": _type(is_log[0])},
-        "yaxis": axis | {"title": {"text": y_axis}, "type": _type(is_log[1])},
+        "xaxis": axis | {"title": {"text": x_axis}, "type": _type(is_log[0]), "nticks": 6},
+        "yaxis": axis | {"title": {"text": y_axis}, "type": _type(is_log[1]), "nticks": 8},
     }
     return go.Figure(data=list(traces), layout=layout)
 

@@ -155,7 +155,10 @@ def table(
     head = "".join(f'<th scope="col">{heading}</th>' for heading in headings)
     body = "\n".join(
         f'<tr><th scope="row">{row[0]}</th>'
-        + "".join(f"<td>{cell}</td>" for cell in row[1:])
+        + "".join(
+            f'<td data-heading="{_without_tags(heading)}">{cell}</td>'
+            for heading, cell in zip(headings[1:], row[1:], strict=True)
+        )
         + "</tr>"
         for row in rows
     )
@@ -165,3 +168,7 @@ def table(
         f'<div class="scroll" tabindex="0"><table class="{kind}">{title}\n'
         f"<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody></table></div>"
     )
+
+
+def _without_tags(text: str) -> str:
+    return re.sub(r"<[^>]*>", "", text)

@@ -1,11 +1,10 @@
 // Glue between the page and plotly: draws the charts, and connects them with their switches.
 "use strict";
 (() => {
+  // No logo, no button, and no address that leads anywhere.
   const config = {
-    displaylogo: false, responsive: true, plotlyServerURL: "", topojsonURL: "",
-    showSendToCloud: false, showEditInChartStudio: false, showTips: false,
-    modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d", "zoomIn2d", "zoomOut2d"],
-    toImageButtonOptions: { format: "svg", filename: "roughbench" },
+    displayModeBar: false, displaylogo: false, responsive: true, showTips: false,
+    plotlyServerURL: "", topojsonURL: "",
   };
 
   const all = (selector, root) => [...(root ?? document).querySelectorAll(selector)];
@@ -48,25 +47,43 @@
     await Plotly.newPlot(div, given.data, given.layout, config);
     makeScalable(div);
     div.on("plotly_afterplot", () => makeScalable(div));
-    for (const button of all("button[data-axis]", figure)) {
-      const axis = button.dataset.axis;
-      const show = () => {
-        const isLog = div.layout[axis].type === "log";
-        button.textContent = `${axis[0]}: ${isLog ? "logarithmic" : "linear"}`;
-        button.setAttribute("aria-pressed", String(isLog));
-      };
-      button.hidden = false;
-      button.addEventListener("click", async () => {
-        const type = div.layout[axis].type === "log" ? "linear" : "log";
+    connectButtons(figure, div, given.ranges);
+  }
+
+  // Below a chart: the kind of each axis, the whole range, a file of the picture.
+  function connectButtons(figure, div, ranges) {
+    const isLog = (axis) => div.layout[axis].type === "log";
+    const goTo = (types) => {
+      const update = {};
+      for (const [axis, type] of Object.entries(types)) {
         const next = { type };
-        setRange(next, axis === "yaxis" ? given.ranges : null);
-        const update = { [`${axis}.type`]: type, [`${axis}.autorange`]: next.autorange };
-        if (next.range) update[`${axis}.range`] = next.range;
-        await Plotly.relayout(div, update);
+        setRange(next, axis === "yaxis" ? ranges : null);
+        for (const [key, value] of Object.entries(next)) update[`${axis}.${key}`] = value;
+      }
+      return Plotly.relayout(div, update);
+    };
+    const actions = {
+      xaxis: () => goTo({ xaxis: isLog("xaxis") ? "linear" : "log" }),
+      yaxis: () => goTo({ yaxis: isLog("yaxis") ? "linear" : "log" }),
+      reset: () => goTo({ xaxis: div.layout.xaxis.type, yaxis: div.layout.yaxis.type }),
+      save: () => Plotly.downloadImage(div, {
+        format: "svg", filename: figure.id, width: div.clientWidth, height: div.clientHeight,
+      }),
+    };
+    const show = () => {
+      for (const button of all("button[data-do$=axis]", figure)) {
+        const axis = button.dataset.do;
+        button.textContent = `${axis[0]}: ${isLog(axis) ? "logarithmic" : "linear"}`;
+      }
+    };
+    for (const button of all(".tools button", figure)) {
+      button.addEventListener("click", async () => {
+        await actions[button.dataset.do]();
         show();
       });
-      show();
     }
+    figure.querySelector(".tools").hidden = false;
+    show();
   }
 
   function update(section) {

@@ -10,16 +10,26 @@ from string import Template
 from roughbench import __version__
 from roughbench.report.charts import Chart, curve_charts
 from roughbench.report.looks import Look, experiment_dashes, model_looks
-from roughbench.report.markup import escape
+from roughbench.report.markup import escape, number
+from roughbench.report.observables import (
+    MOST_MAPS,
+    drawn_pressures,
+    field_charts,
+    n_fields,
+    observable_charts,
+    pressure_key,
+)
 from roughbench.report.sources import Source, experiment_html
 from roughbench.report.tables import Fits, compared, fit_tables, provenance
 from roughbench.report.verdicts import summary, verdict_table
-from roughbench.report.warnings import Remark, Severity, remarks
+from roughbench.report.warnings import ABOUT, Remark, Severity, remarks
 from roughbench.store import FORMAT_VERSION
 from roughbench.verdict import Verdict
 
 MOST_CURVES = 8
 """Curves that a chart shows at first with all experiments; of more, the first experiment."""
+MOST_REMARKS = 12
+"""Remarks on one topic that are shown at once; longer lists unfold."""
 _POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
     "img-src data: blob:"
@@ -105,13 +115,31 @@ def _command(content: Content) -> str:
     return " ".join([*words, f"--resamples {content.resamples}"])
 
 
-def _figures(number: int, source: Source, looks: dict[str, Look]) -> str:
-    charts = "\n".join(_chart(f"file-{number}", chart) for chart in curve_charts(source, looks))
+def _figures(place: int, source: Source, looks: dict[str, Look]) -> str:
+    charts = [
+        *curve_charts(source, looks),
+        *observable_charts(source, looks),
+        *field_charts(source),
+    ]
+    drawn = "\n".join(_chart(f"file-{place}", chart) for chart in charts)
+    left_out = n_fields(source) - MOST_MAPS
+    more = f"<p>{left_out} more fields are in the file.</p>" if left_out > 0 else ""
     return (
         f'<section class="file" aria-label="{escape(source.name)}">'
         f"<h3>{escape(source.name)}</h3>\n{_switches(source, looks)}\n"
-        f'<div class="charts">{charts}</div></section>'
+        f'<div class="charts">{drawn}</div>{more}</section>'
     )
+
+
+_TOOLS = "".join(
+    f'<button type="button" data-do="{action}">{words}</button>'
+    for action, words in {
+        "xaxis": "x",
+        "yaxis": "y",
+        "reset": "whole range",
+        "save": "save as SVG",
+    }.items()
+)
 
 
 def _chart(prefix: str, chart: Chart) -> str:
@@ -119,8 +147,7 @@ def _chart(prefix: str, chart: Chart) -> str:
         f'<figure class="chart" id="{prefix}-{escape(chart.key)}">'
         f"<figcaption>{chart.title}</figcaption>"
         f'<div class="plot" role="img" aria-label="{escape(chart.label)}"></div>'
-        '<div class="axes"><button type="button" data-axis="xaxis" hidden></button>'
-        '<button type="button" data-axis="yaxis" hidden></button></div>'
+        f'<div class="tools" hidden>{_TOOLS}</div>'
         f'<script type="application/json">{chart.content}</script></figure>'
     )
 
@@ -146,7 +173,23 @@ def _switches(source: Source, looks: dict[str, Look]) -> str:
     else:
         (name,) = dashes
         parts.append(f'<input type="checkbox" name="experiment" value="{escape(name)}" checked hidden>')
+    pressures = drawn_pressures(source)
+    if pressures:
+        parts.append(_pressure_select(pressures))
     return f'<form class="switches" autocomplete="off" hidden>{"".join(parts)}</form>'
+
+
+def _pressure_select(pressures: Sequence[float]) -> str:
+    """Return the choice of the pressure at which observables are shown."""
+    middle = len(pressures) // 2
+    options = "".join(
+        f'<option value="{pressure_key(p)}"{" selected" if k == middle else ""}>{number(p)}</option>'
+        for k, p in enumerate(pressures)
+    )
+    return (
+        "<fieldset><legend>Observables</legend><label>at the pressure p/E* = "
+        f'<select name="pressure">{options}</select></label></fieldset>'
+    )
 
 
 def _model_words(label: str, title: str) -> str:
@@ -221,10 +264,18 @@ def _warnings(found: Sequence[Remark]) -> str:
     for remark in found:
         groups.setdefault((remark.severity, remark.topic), []).append(remark)
     return "\n".join(
-        f'<section class="remarks {severity.value}"><h3>{_MARKS[severity]} {escape(topic)}</h3>'
-        f"<ul>{''.join(_remark(r) for r in group)}</ul></section>"
+        f'<section class="remarks {severity.value}">'
+        f"<h3>{_MARKS[severity]} {escape(topic)}</h3><p>{escape(ABOUT[topic])}</p>"
+        f"{_listed(group)}</section>"
         for (severity, topic), group in groups.items()
     )
+
+
+def _listed(group: Sequence[Remark]) -> str:
+    listed = f"<ul>{''.join(_remark(remark) for remark in group)}</ul>"
+    if len(group) <= MOST_REMARKS:
+        return listed
+    return f"<details><summary>{len(group)} places</summary>{listed}</details>"
 
 
 _MARKS = {

@@ -17,6 +17,7 @@ from roughbench.report.markup import (
     without_folders,
 )
 from roughbench.report.sources import Source, experiment_html
+from roughbench.report.warnings import is_random
 from roughbench.results import Attribute, ModelResult
 
 Fits = Mapping[str, Mapping[str, Mapping[str, Estimate]]]
@@ -30,8 +31,7 @@ _SURFACE = {
     "rms_height": "h<sub>rms</sub>",
     "length": "L",
 }
-_WORDS = ("below_rolloff", "amplitude")
-_NOT_OPTIONS = {*_SURFACE, *_WORDS, "surface", "heights", "seed", "grid_points"}
+_NOT_OPTIONS = {*_SURFACE, "surface", "seed", "grid_points"}
 
 
 # -- what was compared -------------------------------------------------------------------
@@ -59,8 +59,8 @@ def _surface(source: Source) -> str:
     for name, symbol in _SURFACE.items():
         values = [float(attributes[name]) for attributes in known if name in attributes]
         if values:
-            parts.append(f"{symbol} = {series(values)}")
-    heights = sorted({_file_name(a["heights"]) for a in known if "heights" in a})
+            parts.append(f"{symbol}&nbsp;=&nbsp;{series(values)}")
+    heights = sorted({_file_name(a["heights"]) for a in known if a["surface"] == "file"})
     return ", ".join([*parts, *(f"heights of {escape(name)}" for name in heights)])
 
 
@@ -78,7 +78,7 @@ def _models(source: Source) -> str:
     for _, result in source.models():
         found.setdefault(result.label, []).append(result)
     return "<br>".join(
-        f"{escape(models[0].title)}{_label(models[0])}, {_counted(models)}"
+        f"{escape(models[0].title)}{_label(models[0])}{_counted(models)}"
         for models in found.values()
     )
 
@@ -88,11 +88,13 @@ def _label(result: ModelResult) -> str:
 
 
 def _counted(models: Sequence[ModelResult]) -> str:
+    if not any(is_random(model) for model in models):
+        return ""
     counts = series([model.n_realizations for model in models])
     points = [int(m.attributes["grid_points"]) for m in models if "grid_points" in m.attributes]
     size = f" of {series(points, 6)} points a side" if points else ""
     plural = "" if counts == "1" else "s"
-    return f"{counts} realization{plural}{size}"
+    return f", {counts} realization{plural}{size}"
 
 
 def _pressures(source: Source) -> str:

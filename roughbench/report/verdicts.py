@@ -99,7 +99,7 @@ def _measurement(measured: Measurement) -> str:
     value = with_error(measured.value, measured.error)
     if measured.bound and math.isfinite(measured.value):
         value = f"{escape(measured.bound)} {value}"
-    note = f'<span class="note">{escape(measured.note)}</span>' if measured.note else ""
+    note = f'<span class="aside">{escape(measured.note)}</span>' if measured.note else ""
     outcome = (
         f'<span class="{_class(measured.outcome)}"><span aria-hidden="true">'
         f"{_SYMBOLS[measured.outcome]}</span> {escape(measured.outcome.value)}</span>"

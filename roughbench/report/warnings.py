@@ -30,6 +30,24 @@ _ENDS = {
     Status.NOT_FINITE: "not finite",
 }
 
+ABOUT = {
+    "Missing parts": "The file does not hold all that its spec asks for.",
+    "Missing pressures": "Fits and comparisons use the pressures that are there.",
+    "States that did not converge": "The averages leave them out.",
+    "Coarse grids": "The smallest contacts are not resolved; areas and stiffnesses of few "
+    "contacts are off.",
+    "Contacts of few points": "Areas at these pressures depend on the grid.",
+    "Few realizations": "Standard errors are themselves uncertain then, and of a single "
+    "realization there is none.",
+    "Large standard errors": f"Above {100.0 * LARGE_ERROR:.0f} % of the mean.",
+    "Full contact": "A realization in full contact makes the mean of K infinite at these "
+    "pressures. The figures show medians with 16 % and 84 % quantiles there; of models other "
+    "than the exact one, throughout.",
+    "Models without randomness": "They are computed from the spectrum, or from given heights: "
+    "there is no standard error and no bootstrap error.",
+}
+"""Topic → what it means, in plain text."""
+
 
 class Severity(StrEnum):
     """How much a remark matters."""
@@ -128,7 +146,7 @@ def _unconverged(result: ModelResult, where: str) -> Iterator[Remark]:
     lost = (status != 0).all(axis=0)
     text = (
         f"{result.n_unconverged} of {result.n_states} states did not converge ({ends}), "
-        f"{at_pressures(pressure, (status != 0).any(axis=0))}; the averages leave them out"
+        f"{at_pressures(pressure, (status != 0).any(axis=0))}"
     )
     if lost.any():
         text += f"; nothing is left {at_pressures(pressure, lost)}"
@@ -146,8 +164,8 @@ def _resolution(result: ModelResult, where: str) -> Iterator[Remark]:
         yield _warning(
             "Coarse grids",
             where,
-            f"{number(per_wave)} points on the shortest wave (2π/q₁), fewer than "
-            f"{number(wanted)}; contacts of that size are not resolved.",
+            f"{number(per_wave)} points on the shortest wave 2π/q₁, fewer than "
+            f"{number(wanted)}.",
         )
 
 
@@ -174,9 +192,8 @@ def _few_points(result: ModelResult, where: str) -> Iterator[Remark]:
         yield _warning(
             "Contacts of few points",
             where,
-            f"the area counted in points and the one corrected for the perimeter differ by "
-            f"up to {100.0 * share.max():.0f} % {at_pressures(pressure, large)}: the contacts "
-            "are few points across.",
+            "the area counted in points and the one corrected for the perimeter differ by "
+            f"up to {100.0 * share.max():.0f} % {at_pressures(pressure, large)}.",
         )
 
 
@@ -189,10 +206,10 @@ def _scatter(result: ModelResult, where: str) -> Iterator[Remark]:
         yield _warning(
             "Few realizations",
             where,
-            f"{many} {plural}; standard errors of fewer than {FEWEST_REALIZATIONS} are "
-            "themselves uncertain" + ("." if many > 1 else ", of one there is none."),
+            f"{many} {plural}.",
         )
     pressure = np.asarray(result["pressure"], float)
+    parts = []
     for quantity, words in _QUANTITIES.items():
         mean = np.asarray(result[f"{quantity}_mean"], float)
         error = np.asarray(result[f"{quantity}_sem"], float)
@@ -201,12 +218,10 @@ def _scatter(result: ModelResult, where: str) -> Iterator[Remark]:
         share[known] = error[known] / mean[known]
         large = share > LARGE_ERROR
         if large.any():
-            yield _warning(
-                "Large standard errors",
-                where,
-                f"the standard error of {words} exceeds {100.0 * LARGE_ERROR:.0f} % "
-                f"{at_pressures(pressure, large)} (up to {100.0 * share.max():.0f} %).",
-            )
+            place = at_pressures(pressure, large)
+            parts.append(f"{words} {place} (up to {100.0 * share.max():.0f} %)")
+    if parts:
+        yield _warning("Large standard errors", where, f"{'; '.join(parts)}.")
 
 
 def _medians(result: ModelResult, where: str) -> Iterator[Remark]:
@@ -216,10 +231,7 @@ def _medians(result: ModelResult, where: str) -> Iterator[Remark]:
             Severity.NOTE,
             "Full contact",
             where,
-            "a realization in full contact makes the mean of K infinite "
-            f"{at_pressures(np.asarray(result['pressure'], float), infinite)}; the figures "
-            "show medians with 16 % and 84 % quantiles there, of a curve drawn as a line "
-            "throughout.",
+            f"{at_pressures(np.asarray(result['pressure'], float), infinite)}.",
         )
 
 
@@ -260,7 +272,7 @@ def _different_pressures(source: Source) -> Iterator[Remark]:
             yield _warning(
                 "Missing pressures",
                 f"{source.name}: {experiment}",
-                "the models have different pressures; those that differ from the reference's "
+                "the models have different pressures; those with others than the reference "
                 "are not compared with it.",
             )
 
@@ -277,6 +289,5 @@ def _without_randomness(source: Source) -> Iterator[Remark]:
             Severity.NOTE,
             "Models without randomness",
             source.name,
-            f"{', '.join(labels)}: computed from the spectrum, or from given heights, "
-            "without random surfaces; there is no standard error, and no bootstrap error.",
+            f"{', '.join(labels)}.",
         )
