@@ -27,7 +27,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roughbench.errors import StoreError
-from roughbench.fits.laws import NEARLY_CLOSED, fit_departures, fit_laws
+from roughbench.fits.laws import (
+    AREA_TOLERANCE,
+    NEARLY_CLOSED,
+    STIFFNESS_TOLERANCE,
+    fit_departures,
+    fit_factor,
+    fit_laws,
+    proportional,
+)
 from roughbench.fits.resampling import (
     Estimate,
     draw_counts,
@@ -37,12 +45,13 @@ from roughbench.fits.resampling import (
 from roughbench.fits.tables import PERCENTS, QUANTITIES
 from roughbench.results import ModelResult, Results
 
-__all__ = ["PERCENTS", "QUANTITIES", "RESAMPLES", "Estimate", "fit", "reference_of"]
+__all__ = ["PERCENTS", "QUANTITIES", "RESAMPLES", "Estimate", "factors", "fit", "reference_of"]
 
 Fits = dict[str, dict[str, dict[str, Estimate]]]
 """Experiment → label → name → estimate."""
 
 RESAMPLES = 1000
+POWERS_OF_LENGTH = {"area": 0, "separation": 1, "stiffness": -1}
 
 
 def reference_of(models: dict[str, ModelResult], reference: str | None = None) -> str | None:
@@ -101,7 +110,10 @@ def fit(
         ``area_agrees_from_10``, ``area_agrees_to_10``, … for area, separation and
         stiffness, 10 % and 50 %: the ends of the widest range of pressure in which it
         differs from the reference by less; for the area up to A/A0 = 0.9 of the
-        reference. They are missing where there is no reference, or the pressures differ.
+        reference. And ``area_factor``, ``separation_factor``, ``stiffness_factor``: the
+        largest factor between the two, lengths in units of the realized rms heights,
+        within the range in which the reference has A ∼ p (for the area) or K ∼ p. They
+        are missing where there is no reference, or the pressures differ.
 
     Raises
     ------
@@ -126,18 +138,16 @@ def _fit_model(
     result: ModelResult, reference: ModelResult | None, resamples: int, seed: int
 ) -> dict[str, Estimate]:
     pressure = np.asarray(result["pressure"], float)
-    counts = draw_counts(result.n_realizations, resamples, seed)
-    means = {name: resampled_means(result, name, counts) for name in QUANTITIES}
-    heights = np.asarray(result["rms_height"], float)
-    laws = fit_laws(pressure, means, dict(result.attributes), counts @ heights / heights.size)
+    means, realized_height = _resampled(result, resamples, seed)
+    laws = fit_laws(pressure, means, dict(result.attributes), realized_height[:, 0])
     found = {name: estimate(*values) for name, values in laws.items()}
     if reference is None or reference is result:
         return found
     if not np.array_equal(reference["pressure"], pressure):
         return found
-    others = draw_counts(reference.n_realizations, resamples, seed)
+    held_against, _ = _resampled(reference, resamples, seed)
     for name in QUANTITIES:
-        ours, theirs = _paired(means[name], resampled_means(reference, name, others))
+        ours, theirs = _paired(means[name], held_against[name])
         open_ = np.ones(pressure.shape, bool)
         if name == "area":
             open_ = ~(theirs[0] > NEARLY_CLOSED)
@@ -147,7 +157,53 @@ def _fit_model(
             )
             found[f"{name}_agrees_from_{percent}"] = estimate(*lower)
             found[f"{name}_agrees_to_{percent}"] = estimate(*upper)
+    return found | factors(result, reference, resamples, seed)
+
+
+def factors(
+    result: ModelResult, reference: ModelResult, resamples: int = RESAMPLES, seed: int = 0
+) -> dict[str, Estimate]:
+    """Return by how much two curves differ at most where the reference is proportional to p.
+
+    Parameters
+    ----------
+    result, reference : ModelResult
+        With the same pressures.
+    resamples, seed : int
+        As in :func:`fit`.
+
+    Returns
+    -------
+    dict of str to Estimate
+        ``area_factor``, ``separation_factor`` and ``stiffness_factor``, each at least 1:
+        the largest factor, up or down, at the pressures of the range in which the
+        reference has A ∼ p (for the area) or K ∼ p. Lengths are in units of the rms height
+        of each one's realized surfaces.
+    """
+    pressure = np.asarray(reference["pressure"], float)
+    ours, our_height = _resampled(result, resamples, seed)
+    theirs, their_height = _resampled(reference, resamples, seed)
+    linear = {
+        "area": proportional(pressure, theirs["area"], AREA_TOLERANCE),
+        "stiffness": proportional(pressure, theirs["stiffness"], STIFFNESS_TOLERANCE),
+    }
+    found = {}
+    for name, power in POWERS_OF_LENGTH.items():
+        a, b = _paired(ours[name] / our_height**power, theirs[name] / their_height**power)
+        ends = linear["area" if name == "area" else "stiffness"]
+        start, end = (np.broadcast_to(x, len(b)) for x in ends)
+        found[f"{name}_factor"] = estimate(fit_factor(pressure, a, b, (start, end)))
     return found
+
+
+def _resampled(
+    result: ModelResult, resamples: int, seed: int
+) -> tuple[dict[str, NDArray[np.float64]], NDArray[np.float64]]:
+    """Return the mean curves over the resamples, and the realized rms height, (B, 1)."""
+    counts = draw_counts(result.n_realizations, resamples, seed)
+    means = {name: resampled_means(result, name, counts) for name in QUANTITIES}
+    heights = np.asarray(result["rms_height"], float)
+    return means, (counts @ heights / heights.size)[:, None]
 
 
 def _paired(

@@ -4,12 +4,15 @@ r"""The laws of the paper, fitted to averaged curves; for many resamples at once
 name                        criterion
 ==========================  ========================================================
 ``kappa``, ``kappa_from``,  κ = (A/A0) E*ξ/p, geometric mean over the widest range of
-``kappa_to``                pressure (in ln p) on which it stays within ±10 % of one
-                            value, and this range
+``kappa_to``,               pressure (in ln p) on which it stays within ±10 % of one
+``kappa_decades``           value, this range, and its width in decades
+``half_contact``            p/E* at which A/A0 first reaches one half
 ``log_from``, ``log_to``,   the widest range on which K/p stays within ±20 % of one
 ``log_decades``             value, and its width in decades: the region K ∼ p
 ``u0``, ``alpha``,          ū = u0 ln(p0/p), least squares in ln p over the pressures
-``beta``                    of that region; α = u0/h_rms, β = p0/E*
+``beta``,                   of that region; α = u0/h_rms, β = p0/E*; with the rms height
+``alpha_realized``          of the spectrum and of the realized heights
+``u0_from_stiffness``       geometric mean of p/K over the region K ∼ p: u0 by eq. (3)
 ``exponent``,               n of K ∼ p^n, least squares in ln p over the finite-size
 ``exponent_expected``       region, and 1/(1 + H): the pressures below the region K ∼ p
                             at which K is at least twice as large as p would have it,
@@ -17,6 +20,8 @@ name                        criterion
                             K L²/E*, at least as wide as the shortest wave
 ``theta``,                  θ of eq. (10), geometric mean over the same pressures, with
 ``theta_realized``          the rms height of the spectrum and of the realized heights
+``exponent_above``          the largest d ln K/d ln p between neighbouring pressures above
+                            the region K ∼ p
 ==========================  ========================================================
 
 Ends of ranges are interpolated linearly in ln p. A range holds at least three pressures.
@@ -74,14 +79,17 @@ def fit_laws(
     height, slope = float(attributes["rms_height"]), float(attributes["rms_slope"])
     fitted: Fitted = {}
     rate = _log(means["area"] * slope / pressure)
-    start, end = _at_least(FEWEST, x, *widest_flat(x, rate, AREA_TOLERANCE))
+    start, end = proportional(pressure, means["area"], AREA_TOLERANCE)
     fitted["kappa"] = (np.exp(_mean(rate, _within(x, start, end))), None)
     at_start, at_end = _reaches(x, start, end)
     fitted["kappa_from"] = (np.exp(start), at_start)
     fitted["kappa_to"] = (np.exp(end), at_end)
+    fitted["kappa_decades"] = ((end - start) / math.log(10.0), at_start | at_end)
+
+    fitted["half_contact"] = (np.exp(_first_reaches(x, means["area"], 0.5)), None)
 
     rate = _log(means["stiffness"] / pressure)
-    start, end = _at_least(FEWEST, x, *widest_flat(x, rate, STIFFNESS_TOLERANCE))
+    start, end = proportional(pressure, means["stiffness"], STIFFNESS_TOLERANCE)
     region = _within(x, start, end)
     at_start, at_end = _reaches(x, start, end)
     fitted["log_from"] = (np.exp(start), at_start)
@@ -89,9 +97,13 @@ def fit_laws(
     fitted["log_decades"] = ((end - start) / math.log(10.0), at_start | at_end)
     fall, at_zero = straight_line(x, means["separation"], region)
     fitted["u0"] = (-fall, None)
+    fitted["u0_from_stiffness"] = (np.exp(-_mean(rate, region)), None)
     fitted["alpha"] = (-fall / height, None)
+    fitted["alpha_realized"] = (-fall / realized_height, None)
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
         fitted["beta"] = (np.exp(-at_zero / fall), None)
+
+    fitted["exponent_above"] = (_steepest(x, rate, end) + 1.0, None)
 
     excess = rate - _mean(rate, region)[:, None]
     with np.errstate(invalid="ignore"):
@@ -113,6 +125,57 @@ def fit_laws(
         # K h^{1/(1+H)} is what eq. (10) fixes.
         fitted["theta_realized"] = (theta * (realized_height / height) ** share, None)
     return fitted
+
+
+def proportional(
+    pressure: FloatArray, values: FloatArray, tolerance: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return the widest range of ln p on which values/p stay within ± a part of one value.
+
+    Parameters
+    ----------
+    pressure : ndarray of float64, shape (P,)
+        Ascending.
+    values : ndarray of float64, shape (B, P)
+    tolerance : float
+
+    Returns
+    -------
+    (ndarray of float64, ndarray of float64), shape (B,)
+        Both ends, in ln p; nan where the range holds fewer than three pressures.
+    """
+    x = np.log(pressure)
+    return _at_least(FEWEST, x, *widest_flat(x, _log(values / pressure), tolerance))
+
+
+def fit_factor(
+    pressure: FloatArray,
+    values: FloatArray,
+    reference: FloatArray,
+    region: tuple[FloatArray, FloatArray],
+) -> FloatArray:
+    """Return the largest factor, up or down, between two curves at the pressures of a region.
+
+    Parameters
+    ----------
+    pressure : ndarray of float64, shape (P,)
+    values, reference : ndarray of float64, shape (B, P)
+        Non-negative; inf where one is zero or infinite and the other is not.
+    region : (ndarray of float64, ndarray of float64), shape (B,)
+        Ends in ln p.
+
+    Returns
+    -------
+    ndarray of float64, shape (B,)
+        At least 1; nan where the region does not exist or a value is missing in it.
+    """
+    x = np.log(pressure)
+    inside = _within(x, *region)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        distance = np.abs(np.log(values) - np.log(reference))
+    distance = np.where(values == reference, 0.0, distance)
+    largest = np.where(inside, distance, -math.inf).max(axis=1)
+    return np.asarray(np.exp(np.where(inside.any(axis=1), largest, math.nan)))
 
 
 def fit_departures(
@@ -160,6 +223,28 @@ def _reaches(
     """Return which ranges reach the first and the last pressure, rounding forgiven."""
     with np.errstate(invalid="ignore"):
         return start <= x[0] + _SLACK, end >= x[-1] - _SLACK
+
+
+def _first_reaches(x: FloatArray, y: FloatArray, level: float) -> FloatArray:
+    """Return where each curve first rises through a level, ln y linear in between; else nan."""
+    above = y >= level
+    k = above.argmax(axis=1)
+    rows = np.arange(len(y))
+    known = above.any(axis=1) & (k > 0)
+    before, after = _log(y[rows, np.maximum(k - 1, 0)]), _log(y[rows, k])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        part = (math.log(level) - before) / (after - before)
+    place = x[np.maximum(k - 1, 0)] + part * (x[k] - x[np.maximum(k - 1, 0)])
+    return np.asarray(np.where(known, place, math.nan))
+
+
+def _steepest(x: FloatArray, y: FloatArray, start: FloatArray) -> FloatArray:
+    """Return the largest slope between neighbouring points that ends past a place; else nan."""
+    slopes = np.diff(y, axis=1) / np.diff(x)
+    with np.errstate(invalid="ignore"):
+        known = np.isfinite(slopes) & (x[1:] > start[:, None] + _SLACK)
+    largest = np.where(known, slopes, -math.inf).max(axis=1)
+    return np.asarray(np.where(known.any(axis=1), largest, math.nan))
 
 
 def _log(values: FloatArray) -> FloatArray:

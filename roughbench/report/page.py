@@ -96,7 +96,7 @@ def render(content: Content) -> str:
         verdicts=verdict_table(content.verdicts),
         figures="\n".join(_figures(n, source, looks) for n, source in enumerate(sources)),
         fits="\n".join(
-            fit_tables(source, fits, content.reference)
+            fit_tables(source, fits, source.has(content.reference))
             for source, fits in zip(sources, content.fits, strict=True)
         ),
         resamples=content.resamples,

@@ -31,6 +31,11 @@ class Source:
         """Yield every (experiment, result), in the order of the spec."""
         return self.results.models()
 
+    def has(self, reference: str | None) -> str | None:
+        """Return a label if all experiments have a model of this name, else None."""
+        known = all(reference in models for models in self.results.values())
+        return reference if known else None
+
 
 def read_sources(paths: Sequence[Path]) -> list[Source]:
     """Read results files.

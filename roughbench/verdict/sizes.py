@@ -1,0 +1,67 @@
+"""How the pressure that leads to a given separation goes with the size of the cell."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roughbench.fits import Estimate
+from roughbench.fits.resampling import draw_counts, estimate, resampled_means
+from roughbench.results import ModelResult
+
+FloatArray = NDArray[np.float64]
+
+
+def size_exponent(
+    series: Sequence[ModelResult],
+    start: float,
+    end: float,
+    resamples: int,
+) -> Estimate:
+    """Return s of p ∼ L^s at the same mean separation.
+
+    Parameters
+    ----------
+    series : sequence of ModelResult
+        One model in cells of different ``length``, the first the smallest.
+    start, end : float
+        p/E*: where the exact solution in the smallest cell has K ∼ p. The separation that
+        is compared is that of the series' first model at the pressure in the middle (of
+        ln p).
+    resamples : int
+
+    Returns
+    -------
+    Estimate
+        Least-squares slope of ln p over ln L; nan where a curve does not reach this
+        separation, or the region does not exist.
+    """
+    if not (start > 0.0 and end > start):
+        return Estimate(math.nan, math.nan, math.nan, math.nan, 0.0)
+    middle = 0.5 * (math.log(start) + math.log(end))
+    sizes = np.log([float(model.attributes["length"]) for model in series])
+    places = []
+    level = math.nan
+    for model in series:
+        counts = draw_counts(model.n_realizations, resamples, 0)
+        means = resampled_means(model, "separation", counts)
+        x = np.log(np.asarray(model["pressure"], float))
+        if math.isnan(level):
+            level = float(np.interp(middle, x, means[0]))
+        places.append(_pressure_at(x, means, level))
+    count = max(len(place) for place in places)
+    table = np.stack([np.broadcast_to(place, count) for place in places], axis=1)
+    offset = sizes - sizes.mean()
+    return estimate(np.asarray(table @ offset / (offset @ offset)))
+
+
+def _pressure_at(x: FloatArray, means: FloatArray, level: float) -> FloatArray:
+    """Return ln p at which each falling curve passes a level; nan where it does not."""
+    place = np.full(len(means), math.nan)
+    for row, curve in enumerate(means):
+        if curve[-1] < level < curve[0]:
+            place[row] = np.interp(-level, -curve, x)
+    return place
