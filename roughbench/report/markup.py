@@ -24,6 +24,11 @@ def escape(text: object) -> str:
     return html.escape(str(text), quote=True)
 
 
+def muted(text: str) -> str:
+    """Return text as HTML that stands back."""
+    return f'<span class="muted">{escape(text)}</span>'
+
+
 def without_folders(text: str) -> str:
     """Return text in which absolute paths have lost their folders.
 

@@ -64,7 +64,9 @@ _OBSERVABLES: Mapping[str, _Words] = {
         "C<sub>c</sub>(q); of lines C<sub>c</sub>/πq",
         is_spectrum=True,
     ),
-    "energy_spectrum": _Words("Elastic energy by wavevector", "wavevector q", "energy per ring"),
+    "energy_spectrum": _Words(
+        "Elastic energy by wavevector", "wavevector q", "energy per ring"
+    ),
     "energy": _Words("Elastic energy by wavevector", "wavevector q", "energy per ring"),
     "clusters": _Words("Patches of contact", "points of a patch", "number of patches"),
 }
@@ -243,9 +245,7 @@ def _coarse(field: FloatArray) -> FloatArray:
         if factor > 1:
             cut = field.shape[axis] // factor * factor
             parts = np.moveaxis(field, axis, 0)[:cut]
-            field = np.moveaxis(
-                parts.reshape(-1, factor, parts.shape[1]).mean(axis=1), 0, axis
-            )
+            field = np.moveaxis(parts.reshape(-1, factor, parts.shape[1]).mean(axis=1), 0, axis)
     return field
 
 

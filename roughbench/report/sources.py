@@ -54,9 +54,7 @@ def read_sources(paths: Sequence[Path]) -> list[Source]:
     StoreError
         If a file is missing, damaged or none of roughbench, or is given twice.
     """
-    return [
-        Source(name, load(path)) for name, path in zip(names_of(paths), paths, strict=True)
-    ]
+    return [Source(name, load(path)) for name, path in zip(names_of(paths), paths, strict=True)]
 
 
 def names_of(paths: Sequence[Path]) -> list[str]:

@@ -10,6 +10,7 @@ from roughbench.fits import Estimate, reference_of
 from roughbench.fits.tables import Cell, Table, departure_tables, law_tables
 from roughbench.report.markup import (
     escape,
+    muted,
     number,
     series,
     table,
@@ -41,7 +42,7 @@ def compared(sources: Sequence[Source]) -> str:
     """Return a table of the files: surfaces, models, pressures."""
     rows = [
         (
-            f"{escape(source.name)}<br><span class='muted'>{escape(source.results.name)}</span>",
+            f"{escape(source.name)}<br>{muted(source.results.name)}",
             _surface(source),
             _experiments(source),
             _models(source),
@@ -142,10 +143,15 @@ def _departures(ranges: Sequence[Table], label: str, title: str) -> str:
     headings = ("Model", *(_symbols(fits.title) for fits in ranges))
     labels = dict.fromkeys(name for fits in ranges for name in fits.rows)
     rows = [
-        (escape(name), *(_range(fits.rows[name]) if name in fits.rows else "–" for fits in ranges))
+        (
+            escape(name),
+            *(_range(fits.rows[name]) if name in fits.rows else "–" for fits in ranges),
+        )
         for name in labels
     ]
-    caption = f"Pressures p/E* between which a model agrees with {escape(label)} ({escape(title)})"
+    caption = (
+        f"Pressures p/E* between which a model agrees with {escape(label)} ({escape(title)})"
+    )
     return table(headings, rows, caption=caption)
 
 
@@ -183,19 +189,21 @@ def _symbols(text: str) -> str:
 def provenance(source: Source) -> str:
     """Return the spec of a file, what its models are, and how to compute it again."""
     results = source.results
-    command = f"roughbench run {results.name or 'spec'}.yaml -o {source.name.split('/')[-1]}"
+    name = escape(results.name or "spec")
+    file = escape(source.name.split("/")[-1])
     facts = {
         "run": escape(results.name),
-        "spec_sha256": f"<code class='hash'>{escape(results.spec_sha256)}</code>",
-        "compute it again": f"save the spec below as {escape(results.name or 'spec')}.yaml, then "
-        f"<code>{escape(command)}</code>",
+        "spec_sha256": f'<code class="hash">{escape(results.spec_sha256)}</code>',
+        "compute it again": f"save the spec below as <code>{name}.yaml</code>, then "
+        f"<code>roughbench run {name}.yaml -o {file}</code>",
     }
-    listed = "".join(f"<div><dt>{name}</dt><dd>{text}</dd></div>" for name, text in facts.items())
+    listed = "".join(
+        f"<div><dt>{fact}</dt><dd>{text}</dd></div>" for fact, text in facts.items()
+    )
+    spec = escape(without_folders(results.spec_text.strip()))
     return (
         f'<h3>{escape(source.name)}</h3>\n<dl class="facts">{listed}</dl>\n'
-        f"{_model_table(source)}\n"
-        f'<pre tabindex="0"><code>{escape(without_folders(results.spec_text.strip()))}'
-        "</code></pre>"
+        f'{_model_table(source)}\n<pre tabindex="0"><code>{spec}</code></pre>'
     )
 
 

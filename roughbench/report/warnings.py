@@ -103,7 +103,7 @@ def remarks(sources: Sequence[Source]) -> list[Remark]:
                 for remark in check(result, where)
             ]
         found += _without_randomness(source)
-    order = [severity for severity in Severity]
+    order = list(Severity)
     topics = list(dict.fromkeys(remark.topic for remark in found))
     return sorted(found, key=lambda r: (order.index(r.severity), topics.index(r.topic)))
 
@@ -182,7 +182,8 @@ def _few_points(result: ModelResult, where: str) -> Iterator[Remark]:
             "Contacts of few points",
             where,
             f"fewer than {FEWEST_CONTACT_POINTS} points of the grid touch "
-            f"{at_pressures(pressure, few)} (down to {number(points[few].min(), 2)} on average).",
+            f"{at_pressures(pressure, few)} (on average, down to "
+            f"{number(points[few].min(), 2)}).",
         )
     known = np.isfinite(raw) & np.isfinite(area) & (area > 0.0)
     share = np.zeros(raw.shape)
