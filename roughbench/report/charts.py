@@ -46,12 +46,15 @@ class Chart:
         Plain text in place of the picture.
     content : str
         JSON for the page's script: data, layout, ranges of the axes.
+    has_axes : bool
+        Whether its axes may be logarithmic.
     """
 
     key: str
     title: str
     label: str
     content: str
+    has_axes: bool = True
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -24,6 +24,21 @@ def escape(text: object) -> str:
     return html.escape(str(text), quote=True)
 
 
+def prose(text: str) -> str:
+    """Return plain text with formulas as HTML, with its sub- and superscripts.
+
+    Examples
+    --------
+    >>> prose("K h_rms ~ p^(1/(1+H)), gw_elliptic from 1e-05, q^−(1+H)")
+    'K h<sub>rms</sub> ~ p<sup>1/(1+H)</sup>, gw_elliptic from 10⁻⁵, q<sup>−(1+H)</sup>'
+    """
+    text = re.sub(r"(?<![\w.])\d(?:\.\d+)?e[-+]\d+(?!\w)", lambda m: number(float(m[0])), text)
+    text = re.sub(r"\b([^\W\d_])_([a-z0-9]{1,3})\b", r"\1<sub>\2</sub>", escape(text))
+    inner = r"[^()]*(?:\([^()]*\)[^()]*)*"
+    text = re.sub(rf"\^([-−]\({inner}\))", r"<sup>\1</sup>", text)
+    return re.sub(rf"\^(?:\(({inner})\)|([-−]?\w+))", r"<sup>\1\2</sup>", text)
+
+
 def muted(text: str) -> str:
     """Return text as HTML that stands back."""
     return f'<span class="muted">{escape(text)}</span>'
@@ -81,7 +96,9 @@ def number(value: float, digits: int = 3) -> str:
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
     if "." in mantissa:
         mantissa = mantissa.rstrip("0").rstrip(".")
-    return f"{_times(mantissa)}{_power(int(exponent))}".replace("-", "−")
+    times = "" if mantissa in ("1", "-1") else f"{mantissa}·"
+    sign = "-" if mantissa == "-1" else ""
+    return f"{sign}{times}{_power(int(exponent))}".replace("-", "−")
 
 
 def with_error(value: float, error: float, digits: int = 3) -> str:
@@ -112,11 +129,7 @@ def with_error(value: float, error: float, digits: int = 3) -> str:
         return number(value, digits)
     scale = 10.0**power
     text = f"{value / scale:.{places}f} ± {error / scale:.{places}f}".replace("-", "−")
-    return f"({text}){_times('')}{_power(power)}" if power else text
-
-
-def _times(mantissa: str) -> str:
-    return f"{mantissa}·"
+    return f"({text})·{_power(power)}" if power else text
 
 
 def _power(exponent: int) -> str:

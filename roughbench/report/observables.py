@@ -148,8 +148,15 @@ def _traces(
 def _line(
     x: FloatArray, y: FloatArray, error: FloatArray, name: str, meta: dict[str, Any]
 ) -> Line:
-    y = np.where(np.isfinite(y) & (y > 0.0), y, math.nan)
+    """Return a line without the places that say nothing: rings without waves, empty ends."""
+    drawn = np.isfinite(y) & (y > 0.0)
+    known = ~np.isnan(y) & np.logical_or.accumulate(drawn) & _until_last(drawn)
+    x, y, error = x[known], np.where(drawn, y, math.nan)[known], error[known]
     return Line(x, y, y - error, y + error, [], name, meta)
+
+
+def _until_last(drawn: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    return np.logical_or.accumulate(drawn[::-1])[::-1]
 
 
 def _thin(traces: list[dict[str, Any]], mode: str) -> Iterator[dict[str, Any]]:
@@ -235,7 +242,7 @@ def _map(
         parts.append(f"realization {int(result['field_realization'][k])}")
     label = f"Map of the contact pressure of {result.label}, {experiment}, {source.name}"
     key = f"field-{experiment}-{result.label}-{k}".replace("=", "-").replace(",", "-")
-    return Chart(key, f"Contact: {', '.join(parts)}", label, content(figure))
+    return Chart(key, ", ".join(parts), label, content(figure), has_axes=False)
 
 
 def _coarse(field: FloatArray) -> FloatArray:

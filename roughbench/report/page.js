@@ -22,6 +22,9 @@
       && (meta.pressure === undefined || meta.pressure === on.pressure);
   }
 
+  // A map shows one state; without it, nothing is left to show.
+  const isMap = (div) => div.data[0].meta.role === "map";
+
   function setRange(axis, ranges) {
     const range = ranges?.[axis.type];
     axis.autorange = !range;
@@ -48,6 +51,7 @@
     makeScalable(div);
     div.on("plotly_afterplot", () => makeScalable(div));
     connectButtons(figure, div, given.ranges);
+    figure.hidden = isMap(div) && !given.data[0].visible;
   }
 
   // Below a chart: the kind of each axis, the whole range, a file of the picture.
@@ -89,7 +93,13 @@
   function update(section) {
     const on = chosen(section);
     for (const div of all(".plot", section)) {
-      if (div.data) Plotly.restyle(div, { visible: div.data.map((trace) => isOn(trace.meta, on)) });
+      if (!div.data) continue;
+      const visible = div.data.map((trace) => isOn(trace.meta, on));
+      const figure = div.closest("figure");
+      const wasHidden = figure.hidden;
+      figure.hidden = isMap(div) && !visible[0];
+      Plotly.restyle(div, { visible });
+      if (wasHidden && !figure.hidden) Plotly.Plots.resize(div);
     }
   }
 

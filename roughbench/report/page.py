@@ -12,7 +12,13 @@ from roughbench.report.charts import Chart
 from roughbench.report.curves import curve_charts
 from roughbench.report.looks import Look, model_looks
 from roughbench.report.markup import escape
-from roughbench.report.observables import MOST_MAPS, field_charts, n_fields, observable_charts
+from roughbench.report.observables import (
+    MOST_MAPS,
+    MOST_POINTS,
+    field_charts,
+    n_fields,
+    observable_charts,
+)
 from roughbench.report.sources import Source
 from roughbench.report.switches import switches
 from roughbench.report.tables import Fits, compared, fit_tables, provenance
@@ -109,39 +115,48 @@ def _command(content: Content) -> str:
 
 
 def _figures(place: int, source: Source, looks: dict[str, Look]) -> str:
-    charts = [
-        *curve_charts(source, looks),
-        *observable_charts(source, looks),
-        *field_charts(source),
-    ]
-    drawn = "\n".join(_chart(f"file-{place}", chart) for chart in charts)
-    left_out = n_fields(source) - MOST_MAPS
-    more = f"<p>{left_out} more fields are in the file.</p>" if left_out > 0 else ""
+    prefix = f"file-{place}"
+    parts = [_charts(prefix, curve_charts(source, looks))]
+    if observables := observable_charts(source, looks):
+        parts += [f"<h4>Observables</h4><p>{_OBSERVABLES}</p>", _charts(prefix, observables)]
+    if maps := field_charts(source):
+        parts += [f"<h4>Maps of the contact</h4><p>{_MAPS}</p>", _charts(prefix, maps)]
+    if (left_out := n_fields(source) - MOST_MAPS) > 0:
+        parts.append(f"<p>{left_out} more fields are in the file.</p>")
+    drawn = "\n".join(parts)
     return (
         f'<section class="file" aria-label="{escape(source.name)}">'
-        f"<h3>{escape(source.name)}</h3>\n{switches(source, looks)}\n"
-        f'<div class="charts">{drawn}</div>{more}</section>'
+        f"<h3>{escape(source.name)}</h3>\n{switches(source, looks)}\n{drawn}</section>"
     )
 
 
-_TOOLS = "".join(
-    f'<button type="button" data-do="{action}">{words}</button>'
-    for action, words in {
-        "xaxis": "x",
-        "yaxis": "y",
-        "reset": "whole range",
-        "save": "save as SVG",
-    }.items()
+_OBSERVABLES = (
+    "What the fields of a contact show beyond its averages, at the pressure chosen above; "
+    "dotted and grey, Persson’s theory."
 )
+_MAPS = (
+    "The pressure in single states, white out of contact; lines appear as stripes. Fields "
+    f"finer than {MOST_POINTS} points a side are averaged over squares."
+)
+_AXES = {"xaxis": "x", "yaxis": "y", "reset": "whole range"}
+_SAVE = {"save": "save as SVG"}
+
+
+def _charts(prefix: str, charts: Sequence[Chart]) -> str:
+    return f'<div class="charts">{"".join(_chart(prefix, chart) for chart in charts)}</div>'
 
 
 def _chart(prefix: str, chart: Chart) -> str:
+    tools = "".join(
+        f'<button type="button" data-do="{action}">{words}</button>'
+        for action, words in ((_AXES | _SAVE) if chart.has_axes else _SAVE).items()
+    )
     return (
         f'<figure class="chart" id="{prefix}-{escape(chart.key)}">'
         f"<figcaption>{chart.title}</figcaption>"
         f'<div class="plot" role="img" aria-label="{escape(chart.label)}"></div>'
-        f'<div class="tools" hidden>{_TOOLS}</div>'
-        f'<script type="application/json">{chart.content}</script></figure>'
+        f'<div class="tools" hidden>{tools}</div>'
+        f'<script type="application/json">{chart.content}</script></figure>\n'
     )
 
 

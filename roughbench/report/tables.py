@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import PurePosixPath
 
@@ -12,6 +13,7 @@ from roughbench.report.markup import (
     escape,
     muted,
     number,
+    prose,
     series,
     table,
     with_error,
@@ -170,17 +172,7 @@ def _cell(cell: Cell) -> str:
 
 def _symbols(text: str) -> str:
     """Return a heading of the fits with the subscripts that a terminal has not."""
-    text = escape(text)
-    for plain, typeset in {
-        "A/A0": "A/A<sub>0</sub>",
-        "u0": "u<sub>0</sub>",
-        "p0": "p<sub>0</sub>",
-        "h_rms": "h<sub>rms</sub>",
-        "p^n": "p<sup>n</sup>",
-        "K ~ p": "K ∼ p",
-    }.items():
-        text = text.replace(plain, typeset)
-    return text
+    return re.sub(r"\b([Aup])0\b", r"\1<sub>0</sub>", prose(text)).replace("~", "∼")
 
 
 # -- provenance --------------------------------------------------------------------------

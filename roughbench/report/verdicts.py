@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from roughbench.report.markup import escape, with_error
+from roughbench.report.markup import escape, prose, with_error
 from roughbench.verdict import Measurement, Outcome, Verdict
 
 MOST_OPEN = 12
@@ -60,9 +60,9 @@ def verdict_table(verdicts: Sequence[Verdict]) -> str:
 def _row(number: int, verdict: Verdict) -> str:
     return (
         f'<tr id="claim-{escape(verdict.key)}"><th scope="row">{number}</th>'
-        f'<td class="claim"><p class="place">{escape(verdict.place)}</p>'
-        f"<p>{escape(verdict.claim)}</p>"
-        f'<p class="rule"><span class="lead">Rule.</span> {escape(verdict.rule)}</p></td>'
+        f'<td class="claim"><p class="place">{prose(verdict.place)}</p>'
+        f"<p>{prose(verdict.claim)}</p>"
+        f'<p class="rule"><span class="lead">Rule.</span> {prose(verdict.rule)}</p></td>'
         f'<td class="measured">{_measured(number, verdict)}</td>'
         f'<td class="outcome">{badge(verdict.outcome)}</td></tr>'
     )
@@ -73,7 +73,7 @@ def _measured(number: int, verdict: Verdict) -> str:
     if verdict.remedy:
         remedy = (
             '<p class="remedy"><span class="lead">To test it:</span> '
-            f"{escape(verdict.remedy)}</p>"
+            f"{prose(verdict.remedy)}</p>"
         )
     if not verdict.measurements:
         return remedy or "<p>–</p>"
@@ -99,13 +99,13 @@ def _measurement(measured: Measurement) -> str:
     value = with_error(measured.value, measured.error)
     if measured.bound and math.isfinite(measured.value):
         value = f"{escape(measured.bound)} {value}"
-    note = f'<span class="aside">{escape(measured.note)}</span>' if measured.note else ""
+    note = f'<span class="aside">{prose(measured.note)}</span>' if measured.note else ""
     outcome = (
         f'<span class="{_class(measured.outcome)}"><span aria-hidden="true">'
         f"{_SYMBOLS[measured.outcome]}</span> {escape(measured.outcome.value)}</span>"
     )
     where = escape(measured.where).replace("/", "/<wbr>")
     return (
-        f'<tr><th scope="row">{where}</th><td>{escape(measured.what)}{note}</td>'
+        f'<tr><th scope="row">{where}</th><td>{prose(measured.what)}{note}</td>'
         f'<td class="value">{value}</td><td>{outcome}</td></tr>'
     )
