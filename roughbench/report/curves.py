@@ -105,8 +105,10 @@ def curve_charts(source: Source, looks: dict[str, Look]) -> list[Chart]:
     Returns
     -------
     list of Chart
-        One of each of :data:`PLOTS`.
+        One of each of :data:`PLOTS`; none of results without models.
     """
+    if not any(source.models()):
+        return []
     return [_chart(source, plot, looks) for plot in PLOTS]
 
 

@@ -36,10 +36,10 @@ def switches(source: Source, looks: dict[str, Look]) -> str:
         )
         parts.append(_fieldset("Experiments", experiments, len(dashes)))
     else:
-        (name,) = dashes
-        parts.append(
+        parts += [
             f'<input type="checkbox" name="experiment" value="{escape(name)}" checked hidden>'
-        )
+            for name in dashes
+        ]
     pressures = drawn_pressures(source)
     if pressures:
         parts.append(_pressure_select(pressures))

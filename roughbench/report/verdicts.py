@@ -104,8 +104,8 @@ def _measurement(measured: Measurement) -> str:
         f'<span class="{_class(measured.outcome)}"><span aria-hidden="true">'
         f"{_SYMBOLS[measured.outcome]}</span> {escape(measured.outcome.value)}</span>"
     )
-    where = escape(measured.where).replace("/", "/<wbr>")
+    what = prose(measured.what) + note
     return (
-        f'<tr><th scope="row">{where}</th><td>{prose(measured.what)}{note}</td>'
+        f'<tr><th scope="row">{escape(measured.where)}</th><td>{what}</td>'
         f'<td class="value">{value}</td><td>{outcome}</td></tr>'
     )

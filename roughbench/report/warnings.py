@@ -127,10 +127,10 @@ def at_pressures(pressure: NDArray[np.float64], chosen: NDArray[np.bool_]) -> st
         last = f" and {meant[-1]}" if len(meant) > 1 else meant[-1]
         return f"at p/E* = {', '.join(meant[:-1])}{last}"
     first, end = np.flatnonzero(chosen)[[0, -1]]
-    span = f"{number(pressure[first])} to {number(pressure[end])}"
+    lowest, highest = number(pressure[first]), number(pressure[end])
     if end - first + 1 == len(meant):
-        return f"at the {len(meant)} pressures p/E* = {span}"
-    return f"at {len(meant)} pressures between p/E* = {span}"
+        return f"at the {len(meant)} pressures p/E* = {lowest} to {highest}"
+    return f"at {len(meant)} pressures between p/E* = {lowest} and {highest}"
 
 
 def _unconverged(result: ModelResult, where: str) -> Iterator[Remark]:
