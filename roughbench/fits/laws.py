@@ -226,16 +226,14 @@ def _reaches(
 
 
 def _first_reaches(x: FloatArray, y: FloatArray, level: float) -> FloatArray:
-    """Return where each curve first rises through a level, ln y linear in between; else nan."""
+    """Return where each curve first rises through a level, linear in ln y; nan if nowhere."""
     above = y >= level
-    k = above.argmax(axis=1)
-    rows = np.arange(len(y))
-    known = above.any(axis=1) & (k > 0)
-    before, after = _log(y[rows, np.maximum(k - 1, 0)]), _log(y[rows, k])
-    with np.errstate(invalid="ignore", divide="ignore"):
-        part = (math.log(level) - before) / (after - before)
-    place = x[np.maximum(k - 1, 0)] + part * (x[k] - x[np.maximum(k - 1, 0)])
-    return np.asarray(np.where(known, place, math.nan))
+    after = above.argmax(axis=1)
+    before = np.maximum(after - 1, 0)
+    rows, known = np.arange(len(y)), after > 0  # 0: reached nowhere, or from the start
+    low, high = _log(y[rows, before]), _log(y[rows, after])
+    part = (math.log(level) - low) / np.where(known, high - low, 1.0)
+    return np.asarray(np.where(known, x[before] + part * (x[after] - x[before]), math.nan))
 
 
 def _steepest(x: FloatArray, y: FloatArray, start: FloatArray) -> FloatArray:

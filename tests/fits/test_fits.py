@@ -3,76 +3,31 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import roughbench as rb
-from roughbench.ensemble import summarize
 from roughbench.errors import StoreError
 from roughbench.fits import fit
-from roughbench.fits.laws import fit_departures
+from roughbench.fits.laws import fit_departures, fit_factor
 from roughbench.fits.resampling import draw_counts, estimate, resampled_means
-from roughbench.results import ModelResult, Results
-
-FloatArray = NDArray[np.float64]
-P = np.geomspace(1e-10, 0.1, 46)
-HURST, HEIGHT, SLOPE, LENGTH, ROLLOFF = 0.7, 0.005, 0.1, 2 * math.pi, 8.0
-KAPPA, U0, P0, THETA = 2.0, 0.4 * HEIGHT, 0.04, 2.3
-SHARE = 1 / (1 + HURST)
-
-
-def make(
-    values: Mapping[str, FloatArray],
-    kind: str = "bem",
-    label: str = "",
-    status: Any = None,
-    **more: Any,
-) -> ModelResult:
-    """Return the results of a model from arrays (realization, pressure)."""
-    shape = next(iter(values.values())).shape
-    states = np.zeros(shape, np.int32) if status is None else np.asarray(status, np.int32)
-    variables: dict[str, Any] = {"pressure": P, "status": states, **values}
-    variables["rms_height"] = np.full(shape[0], HEIGHT)
-    for name, array in values.items():
-        variables[f"{name}_mean"] = summarize(array, states == 0).mean
-    attributes: dict[str, Any] = {
-        "rms_height": HEIGHT,
-        "rms_slope": SLOPE,
-        "length": LENGTH,
-        "hurst": HURST,
-        "q_rolloff": ROLLOFF,
-        "q_max": 1e9,
-    }
-    return ModelResult(label or kind, kind, kind, attributes | more, variables)
-
-
-def collect(*models: ModelResult) -> Results:
-    return Results({"main": {model.label: model for model in models}}, "no spec", "")
-
-
-def finite_size(p: FloatArray) -> FloatArray:
-    base = HEIGHT / (LENGTH**2 * ROLLOFF)
-    return np.asarray(THETA / HEIGHT * base ** (1 - SHARE) * p**SHARE)
-
-
-CROSSING = float(P[np.argmin(np.abs(finite_size(P) * U0 / P - 1))])
-
-
-def lawful(scatter: FloatArray) -> dict[str, FloatArray]:
-    """Curves that follow the laws exactly, but for a factor of each realization.
-
-    A = κp/ξ up to p = 0.01, half of it beyond; ū = u0 ln(p0/p); K the larger of p/u0 and
-    eq. (10).
-    """
-    factor = 1.0 + scatter[:, None]
-    area = np.where(P < 0.0101, 1.0, 0.5) * KAPPA * P / SLOPE * factor
-    separation = np.broadcast_to(U0 * np.log(P0 / P), area.shape) * factor
-    stiffness = np.maximum(P / U0, finite_size(P)) * factor
-    return {"area": area, "separation": separation, "stiffness": stiffness}
+from roughbench.results import ModelResult
+from tests.fits.lawful import (
+    CROSSING,
+    HEIGHT,
+    KAPPA,
+    LENGTH,
+    P0,
+    SHARE,
+    THETA,
+    U0,
+    P,
+    collect,
+    finite_size,
+    lawful,
+    make,
+)
 
 
 def test_exact_laws_are_found_exactly() -> None:
@@ -87,6 +42,14 @@ def test_exact_laws_are_found_exactly() -> None:
     assert found["exponent"].value == pytest.approx(SHARE, rel=1e-9)
     assert found["exponent_expected"].value == pytest.approx(SHARE, rel=1e-12)
     assert found["theta"].value == pytest.approx(THETA, rel=1e-9)
+    assert found["u0_from_stiffness"].value == pytest.approx(U0, rel=0.1)
+    assert found["alpha_realized"].value == pytest.approx(0.4, rel=1e-9)
+    assert found["kappa_decades"].is_bound
+    assert found["kappa_decades"].value == pytest.approx(
+        math.log10(found["kappa_to"].value / P[0]), rel=1e-9
+    )
+    assert math.isnan(found["exponent_above"].value)  # K ~ p goes on to the end
+    assert found["half_contact"].value == pytest.approx(0.05, rel=1e-9)
     # K/p is p/u0 up to the end, and within ± 20 % from where eq. (10) exceeds it by 1.5.
     start = CROSSING / 1.5 ** (1 / (1 - SHARE))
     assert found["log_from"].value == pytest.approx(start, rel=0.2)
@@ -186,6 +149,56 @@ def test_the_reference_can_be_named() -> None:
         fit(collect(one, other), reference="gw")
     with pytest.raises(ValueError, match="at least 2 resamples"):
         fit(collect(one), resamples=1)
+
+
+def test_the_largest_factor_is_taken_where_the_reference_is_proportional() -> None:
+    """A model twice too soft, which doubles its error outside of the regions."""
+    lawfully = lawful(np.zeros(2))
+    lawfully["separation"] = np.maximum(lawfully["separation"], 1e-3 * HEIGHT)
+    reference = make(lawfully)
+    found = fit(collect(reference))["main"]["bem"]
+    inside = found["log_from"].value * 1.01 < P
+    values = {name: reference[name].copy() for name in ("area", "separation", "stiffness")}
+    values["stiffness"] = values["stiffness"] / np.where(inside, 2.0, 4.0)
+    values["area"] = values["area"] * np.where(found["kappa_to"].value < P, 9.0, 1.25)
+    other = fit(collect(reference, make(values, "winkler")))["main"]["winkler"]
+    assert other["stiffness_factor"].value == pytest.approx(2.0)
+    assert other["area_factor"].value == pytest.approx(1.25)
+    assert other["separation_factor"].value == 1.0
+    values["separation"][:, P > 0.09] = 0.0
+    closed = fit(collect(reference, make(values, "winkler")))["main"]["winkler"]
+    assert closed["separation_factor"].value == math.inf
+
+
+def test_lengths_are_compared_in_units_of_the_realized_heights() -> None:
+    values = lawful(np.zeros(2))
+    values["separation"] = np.maximum(values["separation"], 1e-3 * HEIGHT)
+    reference, taller = make(values), make(values, "winkler")
+    taller.variables["rms_height"][:] *= 1.4  # type: ignore[index]
+    found = fit(collect(reference, taller))["main"]["winkler"]
+    assert found["separation_factor"].value == pytest.approx(1.4)
+    assert found["stiffness_factor"].value == pytest.approx(1.4)
+    assert found["area_factor"].value == 1.0
+
+
+def test_a_region_without_a_value_has_no_factor() -> None:
+    p = np.array([1e-3, 1e-2, 1e-1])
+    one, other = np.array([[1.0, math.nan, 2.0]]), np.array([[1.0, 1.0, 1.0]])
+    ends = (np.log([1e-3]), np.log([1e-1]))
+    assert math.isnan(fit_factor(p, one, other, ends)[0])
+    assert math.isnan(fit_factor(p, other, other, (np.array([math.nan]), ends[1]))[0])
+    assert fit_factor(p, 2 * other, other, ends)[0] == pytest.approx(2.0)
+    assert fit_factor(p, other, 2 * other, ends)[0] == pytest.approx(2.0)
+
+
+def test_half_contact_and_the_rise_to_full_contact_are_found() -> None:
+    values = lawful(np.zeros(2))
+    values["area"] = np.broadcast_to(np.minimum(10 * P / 0.1, 1.0), values["area"].shape)
+    steep = np.where(P > 1e-3, (P / 1e-3) ** 1.5, 1.0)
+    values["stiffness"] = values["stiffness"] * steep
+    found = fit(collect(make(values)))["main"]["bem"]
+    assert found["half_contact"].value == pytest.approx(5e-3, rel=1e-9)
+    assert found["exponent_above"].value == pytest.approx(2.5, rel=1e-6)
 
 
 # The bootstrap ------------------------------------------------------------------------------
