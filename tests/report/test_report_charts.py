@@ -119,7 +119,7 @@ def test_full_contact_is_no_point_and_no_zoom(small: Results, change: Change) ->
 
 
 def test_models_look_different_and_the_same_in_all_files(small: Results) -> None:
-    other = Results({"main": dict(reversed(small["surface.qr=1.0"].items()))}, "", "")
+    other = Results({"main": dict(reversed(list(small["surface.qr=1.0"].items())))}, "", "")
     looks = model_looks([Source("a", small), Source("b", other)])
     assert list(looks) == list(LABELS)
     assert len({(look.colour, look.symbol) for look in looks.values()}) == 3
