@@ -174,7 +174,7 @@ def test_lengths_are_compared_in_units_of_the_realized_heights() -> None:
     values = lawful(np.zeros(2))
     values["separation"] = np.maximum(values["separation"], 1e-3 * HEIGHT)
     reference, taller = make(values), make(values, "winkler")
-    taller.variables["rms_height"][:] *= 1.4  # type: ignore[index]
+    taller.variables["rms_height"][:] *= 1.4
     found = fit(collect(reference, taller))["main"]["winkler"]
     assert found["separation_factor"].value == pytest.approx(1.4)
     assert found["stiffness_factor"].value == pytest.approx(1.4)

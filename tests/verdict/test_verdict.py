@@ -31,7 +31,8 @@ def curves(**changes: Any) -> Curves:
 
 
 def model(values: Curves, kind: str = "bem", **more: Any) -> ModelResult:
-    return make(values, kind, **(SURFACE | more))
+    attributes: dict[str, Any] = SURFACE | more
+    return make(values, kind, **attributes)
 
 
 def results(*models: ModelResult) -> Results:
@@ -174,7 +175,7 @@ def test_sizes_show_in_the_pressure_at_a_separation(
         values = curves()
         shift = values["separation"][2] / np.log(0.04 / P) * power * math.log(scale)
         values["separation"] = values["separation"] + shift
-        size = {"length": LENGTH * scale, "grid_points": 512 * scale}
+        size: dict[str, Any] = {"length": LENGTH * scale, "grid_points": 512 * scale}
         experiments.append(results(model(values, **size), model(values, "foundation", **size)))
     found = judged(*experiments)
     for key, outcome in (("size-exact", exact), ("size-foundation", foundation)):
