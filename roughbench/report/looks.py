@@ -10,15 +10,7 @@ from roughbench.report.sources import Source
 
 _FIRST = {"bem": "#000000", "foundation": COLOURS[0], "persson": COLOURS[1]}
 """Colours of the three models of the paper, as in the printed figures."""
-_OTHERS = (
-    *COLOURS[2:6],
-    "#8C6D31",
-    "#7F7F7F",
-    "#5E3C99",
-    "#A6761D",
-    "#66A61E",
-    "#882255",
-)
+_OTHERS = (*COLOURS[2:6], "#882255", "#7F7F7F", "#332288", "#8C6D31", "#66A61E", "#AA4499")
 _SYMBOLS = {
     "square-open": '<path d="M8.5 2.5H15.5V9.5H8.5Z" fill="white" stroke="{0}"/>',
     "circle": '<circle cx="12" cy="6" r="3.6" fill="{0}"/>',

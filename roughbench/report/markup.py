@@ -33,7 +33,9 @@ def prose(text: str) -> str:
     'K h<sub>rms</sub> ~ p<sup>1/(1+H)</sup>, gw_elliptic from 10⁻⁵, q<sup>−(1+H)</sup>'
     """
     text = re.sub(r"(?<![\w.])\d(?:\.\d+)?e[-+]\d+(?!\w)", lambda m: number(float(m[0])), text)
-    text = re.sub(r"\b([^\W\d_])_([a-z0-9]{1,3})\b", r"\1<sub>\2</sub>", escape(text))
+    text = re.sub(
+        r"(?<![A-Za-z_])([^\W\d_])_([a-z0-9]{1,3})\b", r"\1<sub>\2</sub>", escape(text)
+    )
     inner = r"[^()]*(?:\([^()]*\)[^()]*)*"
     text = re.sub(rf"\^([-−]\({inner}\))", r"<sup>\1</sup>", text)
     return re.sub(rf"\^(?:\(({inner})\)|([-−]?\w+))", r"<sup>\1\2</sup>", text)

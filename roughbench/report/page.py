@@ -19,7 +19,7 @@ from roughbench.report.observables import (
     n_fields,
     observable_charts,
 )
-from roughbench.report.sources import Source
+from roughbench.report.sources import Source, places
 from roughbench.report.switches import switches
 from roughbench.report.tables import Fits, compared, fit_tables, provenance
 from roughbench.report.verdicts import summary, verdict_table
@@ -92,7 +92,7 @@ def render(content: Content) -> str:
         compared=compared(sources),
         claims=len(content.verdicts),
         summary=summary(content.verdicts),
-        verdicts=verdict_table(content.verdicts),
+        verdicts=verdict_table(content.verdicts, places(sources)),
         figures="\n".join(_figures(n, source, looks) for n, source in enumerate(sources)),
         fits="\n".join(
             fit_tables(source, fits, source.has(content.reference))

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from roughbench.errors import StoreError
 from roughbench.figures.words import experiment_label
-from roughbench.report.markup import from_mathtext
+from roughbench.report.markup import escape, from_mathtext
 from roughbench.results import ModelResult, Results
 from roughbench.store import load
 
@@ -80,5 +81,27 @@ def _name(own: tuple[str, ...], others: Sequence[tuple[str, ...]]) -> str:
 
 
 def experiment_html(experiment: str) -> str:
-    """Return the name of an experiment as HTML, ``main`` for the only one."""
-    return from_mathtext(experiment_label(experiment)) or "main"
+    r"""Return the name of an experiment as HTML, ``main`` for the only one.
+
+    Examples
+    --------
+    >>> experiment_html("surface.length=12.566370614359172")
+    'L\xa0=\xa012.5664'
+    """
+    label = re.sub(r"\d+\.\d{5,}", lambda found: f"{float(found[0]):.6g}", experiment)
+    return from_mathtext(experiment_label(label)).replace(" = ", "\xa0=\xa0") or "main"
+
+
+def places(sources: Sequence[Source]) -> dict[str, str]:
+    """Return what verdicts call a model, with and without its file → the same as HTML."""
+    found = {}
+    for source in sources:
+        for experiment, result in source.models():
+            words = [experiment_html(experiment)] * (len(source.results) > 1)
+            words += [escape(source.name)] * (len(sources) > 1)
+            text = escape(result.label)
+            if words:
+                text += f' <span class="muted">{", ".join(words)}</span>'
+            name = f"{experiment}/{result.label}"
+            found[f"{source.name}: {name}" if len(sources) > 1 else name] = text
+    return found

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from roughbench.report.markup import escape, prose, with_error
 from roughbench.verdict import Measurement, Outcome, Verdict
@@ -47,9 +47,18 @@ def summary(verdicts: Sequence[Verdict]) -> str:
     return f'<dl class="counts">{"".join(rows)}</dl>'
 
 
-def verdict_table(verdicts: Sequence[Verdict]) -> str:
-    """Return the table of all claims, one row each."""
-    rows = "\n".join(_row(number, verdict) for number, verdict in enumerate(verdicts, 1))
+def verdict_table(verdicts: Sequence[Verdict], places: Mapping[str, str]) -> str:
+    """Return the table of all claims, one row each.
+
+    Parameters
+    ----------
+    verdicts : sequence of Verdict
+    places : mapping of str to str
+        See :func:`roughbench.report.sources.places`.
+    """
+    rows = "\n".join(
+        _row(number, verdict, places) for number, verdict in enumerate(verdicts, 1)
+    )
     return (
         '<table class="verdicts"><thead><tr><th scope="col">No.</th>'
         '<th scope="col">Claim, and how it is decided</th><th scope="col">Measured</th>'
@@ -57,18 +66,18 @@ def verdict_table(verdicts: Sequence[Verdict]) -> str:
     )
 
 
-def _row(number: int, verdict: Verdict) -> str:
+def _row(number: int, verdict: Verdict, places: Mapping[str, str]) -> str:
     return (
         f'<tr id="claim-{escape(verdict.key)}"><th scope="row">{number}</th>'
         f'<td class="claim"><p class="place">{prose(verdict.place)}</p>'
         f"<p>{prose(verdict.claim)}</p>"
         f'<p class="rule"><span class="lead">Rule.</span> {prose(verdict.rule)}</p></td>'
-        f'<td class="measured">{_measured(number, verdict)}</td>'
+        f'<td class="measured">{_measured(number, verdict, places)}</td>'
         f'<td class="outcome">{badge(verdict.outcome)}</td></tr>'
     )
 
 
-def _measured(number: int, verdict: Verdict) -> str:
+def _measured(number: int, verdict: Verdict, places: Mapping[str, str]) -> str:
     remedy = ""
     if verdict.remedy:
         remedy = (
@@ -77,7 +86,7 @@ def _measured(number: int, verdict: Verdict) -> str:
         )
     if not verdict.measurements:
         return remedy or "<p>–</p>"
-    rows = "".join(_measurement(measured) for measured in verdict.measurements)
+    rows = "".join(_measurement(measured, places) for measured in verdict.measurements)
     count = len(verdict.measurements)
     state = " open" if count <= MOST_OPEN else ""
     tally = ", ".join(
@@ -95,7 +104,7 @@ def _measured(number: int, verdict: Verdict) -> str:
     )
 
 
-def _measurement(measured: Measurement) -> str:
+def _measurement(measured: Measurement, places: Mapping[str, str]) -> str:
     value = with_error(measured.value, measured.error)
     if measured.bound and math.isfinite(measured.value):
         value = f"{escape(measured.bound)} {value}"
@@ -104,8 +113,9 @@ def _measurement(measured: Measurement) -> str:
         f'<span class="{_class(measured.outcome)}"><span aria-hidden="true">'
         f"{_SYMBOLS[measured.outcome]}</span> {escape(measured.outcome.value)}</span>"
     )
+    where = places.get(measured.where) or escape(measured.where)
     what = prose(measured.what) + note
     return (
-        f'<tr><th scope="row">{escape(measured.where)}</th><td>{what}</td>'
+        f'<tr><th scope="row">{where}</th><td>{what}</td>'
         f'<td class="value">{value}</td><td>{outcome}</td></tr>'
     )

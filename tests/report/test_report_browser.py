@@ -133,7 +133,7 @@ def test_buttons_change_the_axes(seen: dict[str, Any]) -> None:
 
 
 def test_hovering_tells_the_model_the_pressure_and_the_error(seen: dict[str, Any]) -> None:
-    assert re.match(r"bem, qr = 1p/E\* = 0.00631A/A0 = 0\.\d+ ± 0\.\d+$", seen["hover"])
+    assert re.match(r"bem, qr\s=\s1p/E\* = 0.00631A/A0 = 0\.\d+ ± 0\.\d+$", seen["hover"])
 
 
 @pytest.mark.parametrize("width", [PHONE, 768, DESK])

@@ -213,7 +213,7 @@ def test_fields_become_maps(small: Results, change: Change) -> None:
     )
     maps = field_charts(Source("r.h5", changed))
     assert [chart.title for chart in maps] == [
-        f"bem, q<sub>r</sub> = {qr}, p/E* = 0.01, realization 3" for qr in (1, 4)
+        f"bem, q<sub>r</sub>\xa0=\xa0{qr}, p/E* = 0.01, realization 3" for qr in (1, 4)
     ]
     z = parsed(maps[0])["data"][0]["z"]
     assert z["dtype"] == "u1"

@@ -10,7 +10,7 @@ import pytest
 from roughbench.errors import StoreError
 from roughbench.report import make_report, read_sources
 from roughbench.report.markup import number, with_error
-from roughbench.report.sources import names_of
+from roughbench.report.sources import names_of, places
 from roughbench.results import ModelResult, Results
 from roughbench.verdict import Outcome, judge
 from tests.report.conftest import (
@@ -95,7 +95,22 @@ def test_two_files_have_charts_and_fits_each(results_file: Path, tmp_path: Path)
     assert page.tags.count("figure") == 10
     assert "other.h5: main" not in page.text
     for name in ("small.h5", "other.h5"):
-        assert f"{name}: qr = 4" in page.text
+        assert f"{name}: qr\xa0=\xa04" in page.text
+
+
+def test_a_place_is_named_as_in_the_figures(results_file: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other.h5"
+    other.write_bytes(results_file.read_bytes())
+    sources = read_sources([results_file, other])
+    assert places(sources)["other.h5: surface.qr=4.0/bem"] == (
+        'bem <span class="muted">q<sub>r</sub>\xa0=\xa04, other.h5</span>'
+    )
+    verdicts = judge([(s.name, s.results) for s in sources], resamples=RESAMPLES)
+    named = {m.where for verdict in verdicts for m in verdict.measurements}
+    assert named
+    assert named <= set(places(sources))
+    alone = judge([("small.h5", sources[0].results)], resamples=RESAMPLES)
+    assert {m.where for v in alone for m in v.measurements} <= set(places(sources[:1]))
 
 
 def test_files_of_the_same_name_are_told_apart(tmp_path: Path) -> None:
