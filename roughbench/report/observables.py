@@ -67,7 +67,6 @@ _OBSERVABLES: Mapping[str, _Words] = {
     "energy_spectrum": _Words(
         "Elastic energy by wavevector", "wavevector q", "energy per ring"
     ),
-    "energy": _Words("Elastic energy by wavevector", "wavevector q", "energy per ring"),
     "clusters": _Words("Patches of contact", "points of a patch", "number of patches"),
 }
 

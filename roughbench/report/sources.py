@@ -101,7 +101,7 @@ def places(sources: Sequence[Source]) -> dict[str, str]:
             words += [escape(source.name)] * (len(sources) > 1)
             text = escape(result.label)
             if words:
-                text += f' <span class="muted">{", ".join(words)}</span>'
+                text += f', <span class="muted">{", ".join(words)}</span>'
             name = f"{experiment}/{result.label}"
             found[f"{source.name}: {name}" if len(sources) > 1 else name] = text
     return found

@@ -103,7 +103,7 @@ def test_a_place_is_named_as_in_the_figures(results_file: Path, tmp_path: Path) 
     other.write_bytes(results_file.read_bytes())
     sources = read_sources([results_file, other])
     assert places(sources)["other.h5: surface.qr=4.0/bem"] == (
-        'bem <span class="muted">q<sub>r</sub>\xa0=\xa04, other.h5</span>'
+        'bem, <span class="muted">q<sub>r</sub>\xa0=\xa04, other.h5</span>'
     )
     verdicts = judge([(s.name, s.results) for s in sources], resamples=RESAMPLES)
     named = {m.where for verdict in verdicts for m in verdict.measurements}
