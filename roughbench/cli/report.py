@@ -44,7 +44,7 @@ from roughbench.cli.options import debug_option, example
 def command(
     results: tuple[Path, ...], output: Path, reference: str | None, resamples: int
 ) -> None:
-    """Write a page on what RESULTS say: verdicts, figures, fits, warnings, spec.
+    """Write a page on RESULTS: verdicts, figures, fits.
 
     One HTML file that a browser opens without a network: which of the paper's claims
     hold, by which rule and with which numbers; interactive figures of all curves; the fits
