@@ -19,6 +19,7 @@ for archive in "$PWD"/dist/roughbench-*.whl "$PWD"/dist/roughbench-*.tar.gz; do
         venv/bin/roughbench --help > /dev/null
         venv/bin/roughbench run "$spec" --quiet -o smoke.h5
         venv/bin/roughbench plot smoke.h5 -o figures | wc -l
+        venv/bin/roughbench report smoke.h5 --resamples 20
     )
 done
 echo "dist: both archives install and run"

@@ -21,6 +21,8 @@ roughbench show "$folder/smoke.h5"
 roughbench show "$folder/smoke.h5" --json > "$folder/smoke.json"
 roughbench fit "$folder/smoke.h5" --json --resamples 20 > "$folder/fit.json"
 for json in schema smoke fit; do python -m json.tool "$folder/$json.json" > "$folder/parsed"; done
+roughbench report "$folder/smoke.h5" -o "$folder/report.html" --resamples 20
+grep -c 'id="claim-' "$folder/report.html"
 roughbench export "$folder/smoke.h5" --csv "$folder/tables" --states
 roughbench plot "$folder/smoke.h5" -o "$folder/figures"
 for suffix in pdf png; do

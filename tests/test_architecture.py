@@ -30,6 +30,7 @@ LAYERS = (
     "runner",
     "figures",
     "__init__",
+    "report",
     "cli",
     "__main__",
 )
@@ -47,6 +48,7 @@ OWNERS = {
     "h5py": {"heights_file", "store"},
     "matplotlib": {"figures"},
     "numba": {"models"},
+    "plotly": {"report"},
     "pydantic": {"models", "spec"},
     "pydantic_core": {"spec"},
     "pyfftw": {"transform"},

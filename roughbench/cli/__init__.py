@@ -33,6 +33,7 @@ COMMANDS = (
     "clean",
     "show",
     "fit",
+    "report",
     "plot",
     "export",
     "validate",

@@ -6,14 +6,14 @@ import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
-from roughbench.fits import PERCENTS, QUANTITIES, Estimate, reference_of
+from roughbench.fits import Estimate, reference_of
+from roughbench.fits.tables import Cell, Table, departure_tables, law_tables
 from roughbench.results import ModelResult, Results
 
 Fitted = Mapping[str, Mapping[str, Mapping[str, Estimate]]]
 Names = Mapping[str, Estimate]
 
 _WIDTH = 20
-_WORDS = {"area": "A/A0", "separation": "ū", "stiffness": "K"}
 
 
 def as_text(results: Results, fitted: Fitted, source: str, reference: str | None) -> str:
@@ -52,51 +52,12 @@ def as_text(results: Results, fitted: Fitted, source: str, reference: str | None
 
 def _laws(models: Mapping[str, Names]) -> Iterator[str]:
     width = max(len(label) for label in models)
-    yield from _table(
-        width,
-        ("A = κ p/(E*ξ): κ", "from p/E*", "to p/E*"),
-        {
-            label: [
-                _cell(names["kappa"]),
-                _cell(names["kappa_from"], "≤"),
-                _cell(names["kappa_to"], "≥"),
-            ]
-            for label, names in models.items()
-        },
-    )
-    yield ""
-    yield from _table(
-        width,
-        ("K ~ p: decades", "from p/E*", "to p/E*", "α = u0/h_rms", "β = p0/E*"),
-        {
-            label: [
-                _cell(names["log_decades"], "≥"),
-                _cell(names["log_from"], "≤"),
-                _cell(names["log_to"], "≥"),
-                _cell(names["alpha"]),
-                _cell(names["beta"]),
-            ]
-            for label, names in models.items()
-        },
-    )
-    if not any(math.isfinite(names["exponent"].value) for names in models.values()):
-        return
-    yield ""
-    expected = [n["exponent_expected"].value for n in models.values() if "theta" in n]
-    law = f" (1/(1+H) = {expected[0]:.3f})" if expected else ""
-    yield f"few contacts, K ~ p^n{law}"
-    missing = Estimate(math.nan, math.nan, math.nan, math.nan, 0.0)
-    yield from _table(
-        width,
-        ("n", "θ of eq. (10)", "θ, realized h_rms"),
-        {
-            label: [
-                _cell(names.get(name, missing))
-                for name in ("exponent", "theta", "theta_realized")
-            ]
-            for label, names in models.items()
-        },
-    )
+    for number, table in enumerate(law_tables(models)):
+        if number:
+            yield ""
+        if table.title:
+            yield table.title
+        yield from _lines(width, table.headings, table)
 
 
 def _departures(
@@ -107,39 +68,27 @@ def _departures(
 ) -> Iterator[str]:
     yield f"p/E* between which a model agrees with {reference} ({results[reference].title})"
     width = max(len(label) for label in models)
-    for percent in PERCENTS:
-        for quantity in QUANTITIES:
-            key = f"{quantity}_agrees_{{}}_{percent}"
-            rows = {
-                label: [
-                    _cell(models[label][key.format("from")], "≤"),
-                    _cell(models[label][key.format("to")], "≥"),
-                ]
-                for label in others
-                if key.format("from") in models[label]
-            }
-            if rows:
-                heading = f"{_WORDS[quantity]} within {percent} %: from"
-                yield from _table(width, (heading, "to"), rows)
+    for table in departure_tables(models, others):
+        start, end = table.headings
+        yield from _lines(width, (f"{table.title}: {start}", end), table)
 
 
-def _table(
-    width: int, headings: Sequence[str], rows: Mapping[str, Sequence[str]]
-) -> Iterator[str]:
+def _lines(width: int, headings: Sequence[str], table: Table) -> Iterator[str]:
     widths = [max(_WIDTH, len(heading)) for heading in headings]
     titles = (f"  {heading:<{w}}" for heading, w in zip(headings, widths, strict=True))
     yield f"{'':{width}}{''.join(titles)}".rstrip()
-    for label, cells in rows.items():
-        texts = (f"  {cell:<{w}}" for cell, w in zip(cells, widths, strict=True))
+    for label, cells in table.rows.items():
+        texts = (f"  {_text(cell):<{w}}" for cell, w in zip(cells, widths, strict=True))
         yield f"{label:{width}}{''.join(texts)}".rstrip()
 
 
-def _cell(estimate: Estimate, bound: str = "") -> str:
+def _text(cell: Cell) -> str:
+    estimate = cell.estimate
     if not math.isfinite(estimate.value):
         return "-"
     value = f"{estimate.value:.4g}"
-    if estimate.is_bound and bound:
-        return f"{bound} {value}"
+    if cell.bound:
+        return f"{cell.bound} {value}"
     return value if math.isnan(estimate.error) else f"{value} ± {estimate.error:.2g}"
 
 

@@ -42,6 +42,7 @@ from roughbench.fits.resampling import (
     estimate,
     resampled_means,
 )
+from roughbench.fits.tables import PERCENTS, QUANTITIES
 from roughbench.results import ModelResult, Results
 
 __all__ = ["PERCENTS", "QUANTITIES", "RESAMPLES", "Estimate", "factors", "fit", "reference_of"]
@@ -51,8 +52,6 @@ Fits = dict[str, dict[str, dict[str, Estimate]]]
 
 RESAMPLES = 1000
 POWERS_OF_LENGTH = {"area": 0, "separation": 1, "stiffness": -1}
-QUANTITIES = tuple(POWERS_OF_LENGTH)
-PERCENTS = (10, 50)
 
 
 def reference_of(models: dict[str, ModelResult], reference: str | None = None) -> str | None:

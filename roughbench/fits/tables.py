@@ -1,0 +1,128 @@
+"""The fits of one experiment as tables: the same rows for the terminal and for the report."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from roughbench.fits.resampling import Estimate
+
+PERCENTS = (10, 50)
+QUANTITIES = ("area", "separation", "stiffness")
+_WORDS = {"area": "A/A0", "separation": "ū", "stiffness": "K"}
+_MISSING = Estimate(math.nan, math.nan, math.nan, math.nan, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One number of a table.
+
+    Attributes
+    ----------
+    estimate : Estimate
+        nan where the criterion is met nowhere.
+    bound : str
+        "≤" or "≥" where the number is a bound only, else "".
+    """
+
+    estimate: Estimate
+    bound: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Numbers by model.
+
+    Attributes
+    ----------
+    title : str
+        What they are about; may be empty.
+    headings : tuple of str
+        Of the columns.
+    rows : mapping of str to tuple of Cell
+        By label of the model.
+    """
+
+    title: str
+    headings: tuple[str, ...]
+    rows: Mapping[str, tuple[Cell, ...]]
+
+
+def law_tables(models: Mapping[str, Mapping[str, Estimate]]) -> Iterator[Table]:
+    """Yield κ and its range, the region K ~ p, and the stiffness of few contacts if any.
+
+    Parameters
+    ----------
+    models : mapping of str to mapping of str to Estimate
+        By label and name, as :func:`roughbench.fits.fit` returns them for an experiment.
+
+    Yields
+    ------
+    Table
+    """
+    yield _table(
+        "",
+        {"A = κ p/(E*ξ): κ": "kappa", "from p/E*": "kappa_from", "to p/E*": "kappa_to"},
+        models,
+    )
+    yield _table(
+        "",
+        {
+            "K ~ p: decades": "log_decades",
+            "from p/E*": "log_from",
+            "to p/E*": "log_to",
+            "α = u0/h_rms": "alpha",
+            "β = p0/E*": "beta",
+        },
+        models,
+    )
+    if any(math.isfinite(names["exponent"].value) for names in models.values()):
+        expected = [n["exponent_expected"].value for n in models.values() if "theta" in n]
+        law = f" (1/(1+H) = {expected[0]:.3f})" if expected else ""
+        yield _table(
+            f"few contacts, K ~ p^n{law}",
+            {"n": "exponent", "θ of eq. (10)": "theta", "θ, realized h_rms": "theta_realized"},
+            models,
+        )
+
+
+def departure_tables(
+    models: Mapping[str, Mapping[str, Estimate]], others: Sequence[str]
+) -> Iterator[Table]:
+    """Yield between which pressures the models agree with their reference.
+
+    Parameters
+    ----------
+    models : mapping of str to mapping of str to Estimate
+    others : sequence of str
+        Labels of the models that are compared with the reference.
+
+    Yields
+    ------
+    Table
+        One for each quantity and percentage, with a lower and an upper end.
+    """
+    for percent in PERCENTS:
+        for quantity in QUANTITIES:
+            start, end = (f"{quantity}_agrees_{side}_{percent}" for side in ("from", "to"))
+            known = {label: models[label] for label in others if start in models[label]}
+            if known:
+                title = f"{_WORDS[quantity]} within {percent} %"
+                yield _table(title, {"from": start, "to": end}, known)
+
+
+def _table(
+    title: str, columns: Mapping[str, str], models: Mapping[str, Mapping[str, Estimate]]
+) -> Table:
+    rows = {
+        label: tuple(_cell(names.get(name, _MISSING), name) for name in columns.values())
+        for label, names in models.items()
+    }
+    return Table(title, tuple(columns), rows)
+
+
+def _cell(estimate: Estimate, name: str) -> Cell:
+    """Return a cell; the lower end of a range is bounded from above, all else from below."""
+    sign = "≤" if "_from" in name else "≥"
+    return Cell(estimate, sign if estimate.is_bound else "")

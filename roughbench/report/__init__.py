@@ -1,0 +1,56 @@
+"""One page on what results say: verdicts, interactive figures, fits, warnings, provenance.
+
+The page is a single HTML file that needs nothing else: styles, data and the library that
+draws the figures stand inside it, and it loads nothing from anywhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from roughbench.fits import RESAMPLES, fit
+from roughbench.report.page import Content, render
+from roughbench.report.sources import Source, read_sources
+from roughbench.verdict import judge
+
+__all__ = ["Source", "make_report", "read_sources"]
+
+
+def make_report(
+    paths: Sequence[Path], *, reference: str | None = None, resamples: int = RESAMPLES
+) -> str:
+    """Return the report on results files as an HTML page.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+        Results files, at least one.
+    reference : str, optional
+        Label of the model that the others are held against; default, and in files without
+        such a model: the first exact solver of each experiment.
+    resamples : int
+        Draws of the realizations for the errors, at least 2.
+
+    Returns
+    -------
+    str
+        The same for the same files.
+
+    Raises
+    ------
+    StoreError
+        If a file cannot be read as results, is given twice, or no file has a model named
+        ``reference``.
+    """
+    sources = read_sources(paths)
+    verdicts = judge(
+        [(source.name, source.results) for source in sources],
+        reference=reference,
+        resamples=resamples,
+    )
+    fits = [
+        fit(source.results, reference=source.has(reference), resamples=resamples)
+        for source in sources
+    ]
+    return render(Content(sources, verdicts, fits, reference, resamples))

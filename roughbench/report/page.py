@@ -1,0 +1,194 @@
+"""The page: its parts put together, with styles, script and plotly inside it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib import resources
+from string import Template
+
+from roughbench import __version__
+from roughbench.report.charts import Chart
+from roughbench.report.curves import curve_charts
+from roughbench.report.looks import Look, model_looks
+from roughbench.report.markup import escape
+from roughbench.report.observables import (
+    MOST_MAPS,
+    MOST_POINTS,
+    field_charts,
+    n_fields,
+    observable_charts,
+)
+from roughbench.report.sources import Source, places
+from roughbench.report.switches import switches
+from roughbench.report.tables import Fits, compared, fit_tables, provenance
+from roughbench.report.verdicts import summary, verdict_table
+from roughbench.report.warnings import ABOUT, Remark, Severity, remarks
+from roughbench.store import FORMAT_VERSION
+from roughbench.verdict import Verdict
+
+MOST_REMARKS = 12
+"""Remarks on one topic that are shown at once; longer lists unfold."""
+_POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+    "img-src data: blob:"
+)
+"""What browsers hold the page to: nothing comes from, or goes to, any other place."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Content:
+    """What the page shows.
+
+    Attributes
+    ----------
+    sources : sequence of Source
+    verdicts : sequence of Verdict
+        On all of them together.
+    fits : sequence of mapping
+        What :func:`roughbench.fits.fit` returned for each of them.
+    reference : str or None
+        Label of the model that the others are held against, if one was named.
+    resamples : int
+        Draws of the realizations behind the errors.
+    """
+
+    sources: Sequence[Source]
+    verdicts: Sequence[Verdict]
+    fits: Sequence[Fits]
+    reference: str | None
+    resamples: int
+
+
+def render(content: Content) -> str:
+    """Return the page, the same for the same content.
+
+    Parameters
+    ----------
+    content : Content
+
+    Returns
+    -------
+    str
+        HTML.
+    """
+    from plotly.offline import get_plotlyjs
+
+    folder = resources.files(__package__)
+
+    def asset(name: str) -> str:
+        return (folder / name).read_text(encoding="utf-8")
+
+    sources = content.sources
+    looks = model_looks(sources)
+    names = ", ".join(dict.fromkeys(source.results.name or source.name for source in sources))
+    return Template(asset("page.html")).substitute(
+        policy=_POLICY,
+        title=escape(f"Rough contact: {names}"),
+        names=escape(names),
+        style=asset("page.css"),
+        version=escape(__version__),
+        format_version=FORMAT_VERSION,
+        compared=compared(sources),
+        claims=len(content.verdicts),
+        summary=summary(content.verdicts),
+        verdicts=verdict_table(content.verdicts, places(sources)),
+        figures="\n".join(_figures(n, source, looks) for n, source in enumerate(sources)),
+        fits="\n".join(
+            fit_tables(source, fits, source.has(content.reference))
+            for source, fits in zip(sources, content.fits, strict=True)
+        ),
+        resamples=content.resamples,
+        warnings=_warnings(remarks(sources)),
+        provenance="\n".join(provenance(source) for source in sources),
+        command=escape(_command(content)),
+        plotly=get_plotlyjs(),
+        script=asset("page.js"),
+    )
+
+
+def _command(content: Content) -> str:
+    words = ["roughbench report", *(source.name for source in content.sources)]
+    if content.reference is not None:
+        words.append(f"--reference {content.reference}")
+    return " ".join([*words, f"--resamples {content.resamples}"])
+
+
+def _figures(place: int, source: Source, looks: dict[str, Look]) -> str:
+    prefix = f"file-{place}"
+    parts = [_charts(prefix, curve_charts(source, looks))]
+    if observables := observable_charts(source, looks):
+        parts += [f"<h4>Observables</h4><p>{_OBSERVABLES}</p>", _charts(prefix, observables)]
+    if maps := field_charts(source):
+        parts += [f"<h4>Maps of the contact</h4><p>{_MAPS}</p>", _charts(prefix, maps)]
+    if (left_out := n_fields(source) - MOST_MAPS) > 0:
+        parts.append(f"<p>{left_out} more fields are in the file.</p>")
+    drawn = "\n".join(parts)
+    return (
+        f'<section class="file" aria-label="{escape(source.name)}">'
+        f"<h3>{escape(source.name)}</h3>\n{switches(source, looks)}\n{drawn}</section>"
+    )
+
+
+_OBSERVABLES = (
+    "What the fields of a contact show beyond its averages, at the pressure chosen above; "
+    "dotted and grey, Persson’s theory."
+)
+_MAPS = (
+    "The pressure in single states, white out of contact; lines appear as stripes. Fields "
+    f"finer than {MOST_POINTS} points a side are averaged over squares."
+)
+_AXES = {"xaxis": "x", "yaxis": "y", "reset": "whole range"}
+_SAVE = {"save": "save as SVG"}
+
+
+def _charts(prefix: str, charts: Sequence[Chart]) -> str:
+    return f'<div class="charts">{"".join(_chart(prefix, chart) for chart in charts)}</div>'
+
+
+def _chart(prefix: str, chart: Chart) -> str:
+    tools = "".join(
+        f'<button type="button" data-do="{action}">{words}</button>'
+        for action, words in ((_AXES | _SAVE) if chart.has_axes else _SAVE).items()
+    )
+    return (
+        f'<figure class="chart" id="{prefix}-{escape(chart.key)}">'
+        f"<figcaption>{chart.title}</figcaption>"
+        f'<div class="plot" role="img" aria-label="{escape(chart.label)}"></div>'
+        f'<div class="tools" hidden>{tools}</div>'
+        f'<script type="application/json">{chart.content}</script></figure>\n'
+    )
+
+
+# -- warnings ----------------------------------------------------------------------------
+
+
+def _warnings(found: Sequence[Remark]) -> str:
+    if not found:
+        return "<p>None.</p>"
+    groups: dict[tuple[Severity, str], list[Remark]] = {}
+    for remark in found:
+        groups.setdefault((remark.severity, remark.topic), []).append(remark)
+    return "\n".join(
+        f'<section class="remarks {severity.value}">'
+        f"<h3>{_MARKS[severity]} {escape(topic)}</h3><p>{escape(ABOUT[topic])}</p>"
+        f"{_listed(group)}</section>"
+        for (severity, topic), group in groups.items()
+    )
+
+
+def _listed(group: Sequence[Remark]) -> str:
+    listed = f"<ul>{''.join(_remark(remark) for remark in group)}</ul>"
+    if len(group) <= MOST_REMARKS:
+        return listed
+    return f"<details><summary>{len(group)} places</summary>{listed}</details>"
+
+
+_MARKS = {
+    Severity.WARNING: '<span class="mark" role="img" aria-label="warning">▲</span>',
+    Severity.NOTE: '<span class="mark" role="img" aria-label="note">●</span>',
+}
+
+
+def _remark(remark: Remark) -> str:
+    return f'<li><span class="where">{escape(remark.where)}</span> {escape(remark.text)}</li>'

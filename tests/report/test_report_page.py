@@ -1,0 +1,251 @@
+"""What stands on the page, that it says nothing else, and that it loads nothing."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from roughbench.errors import StoreError
+from roughbench.report import make_report, read_sources
+from roughbench.report.markup import number, with_error
+from roughbench.report.sources import names_of, places
+from roughbench.results import ModelResult, Results
+from roughbench.verdict import Outcome, judge
+from tests.report.conftest import (
+    EXPERIMENTS,
+    LABELS,
+    RESAMPLES,
+    Change,
+    Page,
+    a_verdict,
+    page_of,
+)
+
+
+@pytest.fixture(scope="module")
+def report(results_file: Path) -> str:
+    return make_report([results_file], resamples=RESAMPLES)
+
+
+@pytest.fixture(scope="module")
+def page(report: str) -> Page:
+    return Page(report)
+
+
+# -- what it says ------------------------------------------------------------------------
+
+
+def test_every_verdict_of_the_results_has_a_row(page: Page, small: Results) -> None:
+    verdicts = judge([("small.h5", small)], resamples=RESAMPLES)
+    rows = [given["id"] for tag, given in page.elements if tag == "tr" and "id" in given]
+    assert rows == [f"claim-{verdict.key}" for verdict in verdicts]
+    links = {given.get("href") for tag, given in page.elements if tag == "a"}
+    assert {f"#{row}" for row in rows} <= links
+
+
+def test_a_verdict_is_told_in_full() -> None:
+    outcomes = list(Outcome)
+    verdicts = [a_verdict(k, outcome=outcome) for k, outcome in enumerate(outcomes, 1)]
+    text = Page(page_of(Results({}, "{}", ""), verdicts=verdicts)).text
+    for verdict in verdicts:
+        for part in (verdict.place, verdict.claim, verdict.rule, verdict.remedy):
+            assert part in text
+        assert re.search(rf"[✓✗?–] {verdict.outcome}", text)  # a word and a symbol
+    assert text.count("2.050 ± 0.020") == 3  # all but the one not tested
+    assert text.count("a note") == 3
+
+
+@pytest.mark.parametrize("outcome", Outcome)
+def test_claims_are_counted_by_their_outcome(outcome: Outcome) -> None:
+    verdicts = [a_verdict(1, outcome=outcome), a_verdict(2, outcome=outcome)]
+    summary = page_of(Results({}, "{}", ""), verdicts=verdicts).partition('<dl class="counts">')
+    counts = re.findall(r"<strong>(\d+)</strong>", summary[2])
+    assert counts == ["2" if outcome is other else "0" for other in Outcome]
+
+
+def test_every_model_and_experiment_is_on_the_page(report: str, page: Page) -> None:
+    boxes = [given for tag, given in page.elements if given.get("type") == "checkbox"]
+    values = {
+        name: [b["value"] for b in boxes if b["name"] == name]
+        for name in ("model", "experiment")
+    }
+    assert values == {"model": list(LABELS), "experiment": list(EXPERIMENTS)}
+    fits = report.partition('id="fits"')[2].partition('id="warnings"')[0]
+    for label in LABELS:
+        assert fits.count(f'<th scope="row">{label}</th>') >= 2 * len(EXPERIMENTS)
+    for title in ("Exact (BEM)", "Popov (1D foundation)", "Persson"):
+        assert title in page.text
+
+
+def test_the_spec_and_how_to_compute_it_again(page: Page, small: Results) -> None:
+    assert small.spec_text.strip() in page.text
+    assert small.spec_sha256 in page.text
+    assert "roughbench run small.yaml -o small.h5" in page.text
+    assert f"roughbench report small.h5 --resamples {RESAMPLES}" in page.text
+
+
+def test_two_files_have_charts_and_fits_each(results_file: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other.h5"
+    other.write_bytes(results_file.read_bytes())
+    page = Page(make_report([results_file, other], resamples=RESAMPLES))
+    sections = [given for tag, given in page.elements if given.get("class") == "file"]
+    assert [given["aria-label"] for given in sections] == ["small.h5", "other.h5"]
+    assert page.tags.count("figure") == 10
+    assert "other.h5: main" not in page.text
+    for name in ("small.h5", "other.h5"):
+        assert f"{name}: qr\xa0=\xa04" in page.text
+
+
+def test_a_place_is_named_as_in_the_figures(results_file: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other.h5"
+    other.write_bytes(results_file.read_bytes())
+    sources = read_sources([results_file, other])
+    assert places(sources)["other.h5: surface.qr=4.0/bem"] == (
+        'bem, <span class="muted">q<sub>r</sub>\xa0=\xa04, other.h5</span>'
+    )
+    verdicts = judge([(s.name, s.results) for s in sources], resamples=RESAMPLES)
+    named = {m.where for verdict in verdicts for m in verdict.measurements}
+    assert named
+    assert named <= set(places(sources))
+    alone = judge([("small.h5", sources[0].results)], resamples=RESAMPLES)
+    assert {m.where for v in alone for m in v.measurements} <= set(places(sources[:1]))
+
+
+def test_files_of_the_same_name_are_told_apart(tmp_path: Path) -> None:
+    paths = [tmp_path / name for name in ("a/x/r.h5", "b/x/r.h5", "b/s.h5")]
+    assert names_of(paths) == ["a/x/r.h5", "b/x/r.h5", "s.h5"]
+    with pytest.raises(StoreError, match="given twice"):
+        names_of([tmp_path / "r.h5", tmp_path / "." / "r.h5"])
+
+
+def test_an_unknown_reference_is_refused(results_file: Path) -> None:
+    with pytest.raises(StoreError, match="no model is named 'exact'"):
+        make_report([results_file], reference="exact", resamples=RESAMPLES)
+
+
+def test_a_reference_is_used_where_it_is_named(results_file: Path) -> None:
+    page = Page(make_report([results_file], reference="persson", resamples=RESAMPLES))
+    assert "agrees with persson (Persson)" in page.text
+    assert "--reference persson" in page.text
+
+
+# -- that it says nothing else -----------------------------------------------------------
+
+
+def test_the_same_file_gives_the_same_bytes(results_file: Path, report: str) -> None:
+    assert make_report([results_file], resamples=RESAMPLES) == report
+
+
+def test_no_folder_of_the_writer_is_told(
+    results_file: Path, report: str, small: Results, change: Change
+) -> None:
+    for folder in results_file.resolve().parents[:-1]:
+        assert str(folder) not in report
+    spec = small.spec_text + "\n# from /home/ann/rough/heights.npy and ~/b/c.h5:/z"
+    for label in LABELS:
+        small = change(small, label, {"surface": "file", "heights": "/home/ann/h.npy"})
+    changed = Results(small.experiments, spec, "", "small")
+    page = page_of(changed)
+    assert "ann" not in Page(page).text
+    assert "from …/heights.npy and …/c.h5" in page
+    assert "heights of h.npy" in page
+
+
+HOSTILE = "</script><script>alert(1)</script><img src=x onerror='a'>\"&$title ${names}"
+
+
+def test_hostile_text_changes_no_element(small: Results) -> None:
+    def named(word: str) -> Page:
+        models = {
+            f"{label}{word}": ModelResult(
+                f"{label}{word}",
+                result.kind,
+                result.title + word,
+                dict(result.attributes) | {"heights": word},
+                result.variables,
+            )
+            for label, result in small["surface.qr=1.0"].items()
+        }
+        results = Results({f"a{word}": models}, small.spec_text + word, word, word)
+        verdicts = [a_verdict(k, word, o) for k, o in enumerate(Outcome)]
+        return Page(page_of(results, verdicts=verdicts, name=f"{word}.h5"))
+
+    plain, hostile = named("harmless"), named(HOSTILE)
+    assert hostile.tags == plain.tags
+    assert hostile.text.count(HOSTILE) > 20
+    for mine, theirs in zip(hostile.elements, plain.elements, strict=True):
+        assert mine[1].keys() == theirs[1].keys()
+    for script in hostile.scripts:
+        if script != plain.scripts[hostile.scripts.index(script)]:
+            assert "<" not in script  # data: no tag can end or begin there
+
+
+# -- that it loads nothing ---------------------------------------------------------------
+
+
+def test_nothing_is_loaded_from_anywhere(page: Page) -> None:
+    for tag, given in page.elements:
+        assert tag not in ("link", "iframe", "object", "embed", "img", "base", "form[action]")
+        assert not {"src", "srcset", "data", "action", "poster", "background"} & set(given)
+        href = given.get("href") or "#"
+        assert href.startswith("#") or (tag == "a" and href.startswith("https://doi.org/"))
+        assert "http-equiv" not in given or given["http-equiv"] == "Content-Security-Policy"
+    for style in page.styles:
+        assert "url(" not in style
+        assert "@import" not in style
+        assert "@font-face" not in style
+
+
+def test_browsers_are_told_to_load_nothing(page: Page) -> None:
+    policies = [given["content"] for _, given in page.elements if "http-equiv" in given]
+    (policy,) = policies
+    assert policy == (
+        "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+        "img-src data: blob:"
+    )
+
+
+def test_tables_need_no_script_and_have_headings(report: str, page: Page) -> None:
+    assert report.count("<table") >= 10
+    assert "<noscript>" in report
+    headings = [given for tag, given in page.elements if tag == "th"]
+    assert headings
+    assert all(given.get("scope") in ("row", "col") for given in headings)
+    assert dict(page.elements)["html"] == {"lang": "en"}
+    pictures = [given for _, given in page.elements if given.get("class") == "plot"]
+    assert all(given["role"] == "img" and given["aria-label"] for given in pictures)
+
+
+# -- numbers -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.001, "0.001"), (99950.0, "10⁵"), (-2.5e-7, "−2.5·10⁻⁷"), (1e-5, "10⁻⁵"), (0.0, "0")],
+)
+def test_a_number_has_three_digits(value: float, text: str) -> None:
+    assert number(value) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (2.0, 13.0, "2 ± 13"),
+        (-0.5, 0.031, "−0.500 ± 0.031"),
+        (12345.0, 67.0, "(1.2345 ± 0.0067)·10⁴"),
+        (1.5, 0.0, "1.5"),
+        (float("inf"), float("nan"), "∞"),
+        (0.25, 1e-17, "0.25"),
+    ],
+)
+def test_an_error_has_two_digits_and_the_value_as_many(
+    value: float, error: float, text: str
+) -> None:
+    assert with_error(value, error) == text
+
+
+def test_a_file_that_is_none_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(StoreError, match="no such file"):
+        read_sources([tmp_path / "none.h5"])
