@@ -84,8 +84,10 @@ def _lines(width: int, headings: Sequence[str], table: Table) -> Iterator[str]:
 
 def _text(cell: Cell) -> str:
     estimate = cell.estimate
-    if not math.isfinite(estimate.value):
+    if math.isnan(estimate.value):
         return "-"
+    if math.isinf(estimate.value):
+        return "∞"
     value = f"{estimate.value:.4g}"
     if cell.bound:
         return f"{cell.bound} {value}"

@@ -50,7 +50,7 @@ class Table:
 
 
 def law_tables(models: Mapping[str, Mapping[str, Estimate]]) -> Iterator[Table]:
-    """Yield κ and its range, the region K ~ p, and the stiffness of few contacts if any.
+    """Yield κ, the region K ~ p, the stiffness of few contacts, and factors from the reference.
 
     Parameters
     ----------
@@ -84,6 +84,17 @@ def law_tables(models: Mapping[str, Mapping[str, Estimate]]) -> Iterator[Table]:
             f"few contacts, K ~ p^n{law}",
             {"n": "exponent", "θ of eq. (10)": "theta", "θ, realized h_rms": "theta_realized"},
             models,
+        )
+    others = {label: names for label, names in models.items() if "area_factor" in names}
+    if others:
+        yield _table(
+            "largest factor from the reference, where that has A ~ p or K ~ p; realized h_rms",
+            {
+                "in A/A0": "area_factor",
+                "in ū/h_rms": "separation_factor",
+                "in K h_rms": "stiffness_factor",
+            },
+            others,
         )
 
 
