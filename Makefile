@@ -12,14 +12,18 @@ BIN := .venv/bin
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help demo test test-all lint smoke fig1 fig2 fig3 fig4 figures paper-fig3 \
-	paper-fig4 paper-bem compare compare-tamaas faults bench readme-figures dist dist-check \
+	paper-fig4 paper-bem study study-contenders \
+	study-fields study-size study-rolloff study-below study-hurst study-cutoff \
+	study-resolution compare compare-tamaas faults bench readme-figures dist dist-check \
 	clean distclean setup setup-dev python
 
 help: ## this list
-	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / { printf "  make %-16s%s\n", $$1, $$2 }' Makefile
+	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / { printf "  make %-18s%s\n", $$1, $$2 }' Makefile
 	@echo
 	@echo "  PYTHON=/path/to/python3 chooses the Python (3.11 or newer) of .venv, JOBS=N how many"
 	@echo "  tasks run at once. Results go to results/, figures to figures/."
+
+STUDIES := contenders fields size rolloff below hurst cutoff resolution
 
 ## -- computing -------------------------------------------------------------------------
 
@@ -59,6 +63,21 @@ paper-fig3 paper-fig4 paper-bem: setup
 paper-fig3: ## Fig. 3 at the paper's q1 = 8192 q0, without the exact solver
 paper-fig4: ## Fig. 4 at the paper's q1 = 8192 q0, without the exact solver
 paper-bem: ## the exact solver at q1 = 8192 q0: 14 GB of memory, hours (estimates)
+
+$(STUDIES:%=study-%): setup
+	$(call compute,$@,configs/study/$(@:study-%=%).yaml)
+
+study: $(STUDIES:%=study-%) ## every run of the study and its report: an hour and a half
+	$(BIN)/roughbench report $(STUDIES:%=results/study-%.h5) -o figures/study.html
+
+study-contenders: ## every contender on the same surfaces, q1 = 512 q0
+study-fields: ## distributions, spectra, patches and maps of the contact
+study-size: ## the same spectrum in larger and larger cells
+study-rolloff: ## the roll-off from 1 to 128 q0
+study-below: ## below the roll-off: a flat spectrum, or nothing
+study-hurst: ## the Hurst exponent from 0.3 to 0.9
+study-cutoff: ## the cut-off from 32 to 1024 q0
+study-resolution: ## the same surfaces on finer and finer grids
 
 ## -- checking --------------------------------------------------------------------------
 

@@ -9,66 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.ensemble import STATISTICS
+from roughbench.variables import long_name_of, units_of
 
 Array = NDArray[Any]
 """float64, float32, int64 or int32, as the results file knows them."""
 Attribute = str | int | float
-
-
-@dataclass(frozen=True, slots=True)
-class _Meaning:
-    """Unit and description of one variable."""
-
-    units: str
-    long_name: str
-
-
-AVERAGED = ("area", "area_raw", "separation", "stiffness", "energy")
-"""Variables that are summarized over the realizations, where a model has them."""
-
-_MEANING = {
-    "realization": _Meaning("1", "index of the realization"),
-    "pressure": _Meaning("1", "nominal pressure p/E*"),
-    "area": _Meaning("1", "real contact area A/A0"),
-    "area_raw": _Meaning("1", "contact points / all points"),
-    "separation": _Meaning("length", "mean separation"),
-    "stiffness": _Meaning("1/length", "contact stiffness K/E*"),
-    "stiffness_harmonic": _Meaning("1/length", "harmonic mean of the contact stiffness K/E*"),
-    "energy": _Meaning("length", "elastic energy U/(A0 E*)"),
-    "status": _Meaning("1", "how the computation of the state ended"),
-    "n_converged": _Meaning("1", "number of converged realizations"),
-    "rms_height": _Meaning("length", "rms height of the realized surface"),
-    "rms_slope": _Meaning("1", "rms slope of the realized surface"),
-}
-_STATISTIC = {
-    "mean": "mean",
-    "sem": "standard error of the mean",
-    "median": "median",
-    "q16": "16 % quantile",
-    "q84": "84 % quantile",
-}
-_SUMMARIES = {f"{name}_{kind}": (name, kind) for name in AVERAGED for kind in STATISTICS}
-_PER_PRESSURE = {"pressure", "n_converged", "stiffness_harmonic", *_SUMMARIES}
-_PER_REALIZATION = {"realization", "rms_height", "rms_slope"}
-
-
-def dimensions(name: str) -> tuple[str, ...]:
-    """Names of the dimensions of a variable.
-
-    Everything that is not known to be one value a pressure or one a realization, such
-    as a model's diagnostics, has both.
-
-    Examples
-    --------
-    >>> dimensions("area"), dimensions("area_mean"), dimensions("rms_slope")
-    (('realization', 'pressure'), ('pressure',), ('realization',))
-    """
-    if name in _PER_PRESSURE:
-        return ("pressure",)
-    if name in _PER_REALIZATION:
-        return ("realization",)
-    return ("realization", "pressure")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -120,14 +65,11 @@ class ModelResult:
 
     def units(self, name: str) -> str:
         """Return the unit of a variable; "length" is the spec's length unit, "1" is none."""
-        base, _ = _SUMMARIES.get(name, (name, ""))
-        return _MEANING[base].units if base in _MEANING else "1"
+        return units_of(name, 1 if self.attributes.get("dimension") == 1 else 2)
 
     def long_name(self, name: str) -> str:
         """Return the description of a variable in words."""
-        base, kind = _SUMMARIES.get(name, (name, ""))
-        words = _MEANING[base].long_name if base in _MEANING else base.replace("_", " ")
-        return f"{words}, {_STATISTIC[kind]}" if kind else words
+        return long_name_of(name)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,8 +5,9 @@ either the old file or the whole new one, whatever happens in between. The bytes
 on the results alone: no times, no names of machines.
 
 ``/<experiment>/<label>`` holds one model's arrays with dimension scales ``realization``
-and ``pressure``; the root holds ``format``, ``format_version``, ``name``, ``spec`` and
-``spec_sha256``. Behind the HDF5 file stands the checksum of its bytes.
+and ``pressure``, and those of observables and fields (:mod:`roughbench.variables`); the root
+holds ``format``, ``format_version``, ``name``, ``spec`` and ``spec_sha256``. Behind the HDF5
+file stands the checksum of its bytes.
 """
 
 from __future__ import annotations
@@ -24,18 +25,15 @@ import numpy as np
 from roughbench.errors import StoreError
 from roughbench.models.base import Status
 from roughbench.publish import commit
-from roughbench.results import (
-    Array,
-    Attribute,
-    ModelResult,
-    Results,
-    dimensions,
-)
+from roughbench.results import Array, Attribute, ModelResult, Results
+from roughbench.variables import dimensions, fits
 
 __all__ = ["FORMAT_VERSION", "ModelResult", "Results", "commit", "load", "write_results"]
 
 FORMAT = "roughbench"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
+"""2: with dimensions beside realization and pressure. Files without any are written as 1,
+which older versions read."""
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 _SEAL = b"\nroughbench-sha256:"
@@ -107,7 +105,7 @@ def image(results: Results) -> bytes:
     """Return the bytes of the results file, built without touching the disk."""
     with _file_in_memory() as file:
         file.attrs["format"] = FORMAT
-        file.attrs["format_version"] = FORMAT_VERSION
+        file.attrs["format_version"] = _version(results)
         file.attrs["name"] = results.name
         file.attrs["spec"] = results.spec_text
         file.attrs["spec_sha256"] = results.spec_sha256
@@ -118,6 +116,16 @@ def image(results: Results) -> bytes:
         file.flush()
         data: bytes = file.id.get_file_image()
     return seal(data)
+
+
+def _version(results: Results) -> int:
+    axes = {
+        axis
+        for _, result in results.models()
+        for name in result
+        for axis in dimensions(name, result[name].ndim)
+    }
+    return 1 if axes <= {"realization", "pressure"} else FORMAT_VERSION
 
 
 def seal(data: bytes) -> bytes:
@@ -177,11 +185,12 @@ def _write_model(group: h5py.Group, result: ModelResult) -> None:
     for name, value in result.attributes.items():
         group.attrs[name] = value
     for name, values in _with_scales(result).items():
-        # The checksum needs a chunked layout: one chunk holds it all.
-        data = group.create_dataset(name, data=values, chunks=values.shape, fletcher32=True)
+        axes = dimensions(name, values.ndim)
+        # The checksum needs a chunked layout: one chunk holds it all, or one field.
+        chunks = (1, *values.shape[1:]) if axes[0] == "field" else values.shape
+        data = group.create_dataset(name, data=values, chunks=chunks, fletcher32=True)
         data.attrs["units"] = result.units(name)
         data.attrs["long_name"] = result.long_name(name)
-        axes = dimensions(name)
         if axes == (name,):
             data.make_scale(name)
             continue
@@ -192,11 +201,14 @@ def _write_model(group: h5py.Group, result: ModelResult) -> None:
 
 
 def _with_scales(result: ModelResult) -> dict[str, Array]:
-    """Return the variables of a model, its two dimension scales first."""
+    """Return the variables of a model, its dimension scales first."""
     scales = {
         "pressure": result["pressure"],
         "realization": np.arange(result.n_realizations, dtype=np.int64),
     }
+    if "field_status" in result:
+        scales["field"] = np.arange(len(result["field_status"]), dtype=np.int64)
+    scales |= {name: result[name] for name in result if dimensions(name) == (name,)}
     variables = scales | dict(result.variables)
     for name, values in variables.items():
         if values.dtype not in _DTYPES:
@@ -272,7 +284,8 @@ def _read_model(group: h5py.Group, label: str, source: Path) -> ModelResult:
     if missing:
         raise ValueError(f"{group.name} lacks {', '.join(missing)}")
     _check_shapes(variables, group.name)
-    variables.pop("realization", None)
+    for index in ("realization", "field"):
+        variables.pop(index, None)
     return ModelResult(label, kind, title, attributes, variables)
 
 
@@ -282,8 +295,8 @@ def _check_shapes(variables: dict[str, Array], where: str) -> None:
         raise ValueError(f"{where}: status must have two dimensions, got {len(shape)}")
     lengths = dict(zip(("realization", "pressure"), shape, strict=True))
     for name, values in variables.items():
-        wanted = tuple(lengths[axis] for axis in dimensions(name))
-        if values.shape != wanted:
+        suits, wanted = fits(name, values.shape, lengths)
+        if not suits:
             raise ValueError(
                 f"{where}: {name} must have the shape {wanted}, got {values.shape}"
             )

@@ -24,14 +24,26 @@ for json in schema smoke fit; do python -m json.tool "$folder/$json.json" > "$fo
 roughbench report "$folder/smoke.h5" -o "$folder/report.html" --resamples 20
 grep -c 'id="claim-' "$folder/report.html"
 roughbench export "$folder/smoke.h5" --csv "$folder/tables" --states
-roughbench observe configs/smoke.yaml --set 'observables=[clusters]' -o "$folder/fields" --quiet
-test -s "$folder/fields/observables.json"
 roughbench plot "$folder/smoke.h5" -o "$folder/figures"
 for suffix in pdf png; do
     for figure in foundation spectrum area separation stiffness fig3; do
         test -s "$folder/figures/$figure.$suffix"
     done
 done
+
+# Observables and fields: whatever the number of jobs, and what comes of them.
+for jobs in 1 2; do
+    roughbench run configs/smoke.yaml --threads 1 -j "$jobs" -o "$folder/seen-$jobs.h5" --quiet \
+        --set 'observables=[pressure_pdf, stress_spectrum, clusters]' \
+        --set 'save_fields={pressures: [0.1]}'
+done
+cmp "$folder/seen-1.h5" "$folder/seen-2.h5"
+roughbench verify "$folder/seen-1.h5"
+roughbench plot "$folder/seen-1.h5" -o "$folder/figures" --figure pressure_pdf --figure contact
+roughbench export "$folder/seen-1.h5" --csv "$folder/seen"
+test -s "$folder/figures/pressure_pdf.pdf"
+test -s "$folder/figures/contact.png"
+test -s "$folder/seen/surface.qr=4.0-bem-stress_spectrum.csv"
 
 # A fault ends with its documented exit code and one message.
 code=0

@@ -18,10 +18,12 @@ import roughbench as rb
 from roughbench.cli import COMMANDS, main
 from roughbench.figures import FIGURES
 from roughbench.models import MODELS
+from roughbench.observables import OBSERVABLES
 from roughbench.runner import check, plan
 from roughbench.spec import FileSurface, SelfAffineSurface, Spec, load_spec
 from roughbench.spec.fields import SavedFields
 from roughbench.spec.pressures import PressureRange
+from roughbench.variables import FIELD_VARIABLES, scalars_of, variable_of
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -183,7 +185,8 @@ def test_a_spec_in_the_documentation_is_valid(block: str) -> None:
 @pytest.mark.parametrize("path", sorted((ROOT / "configs").rglob("*.yaml")), ids=name)
 def test_a_config_is_valid_and_documented(path: Path) -> None:
     check(plan(load_spec(path)))
-    target = f"paper-{path.stem}" if path.parent.name == "paper" else path.stem
+    folder = path.parent.name
+    target = path.stem if folder == "configs" else f"{folder}-{path.stem}"
     known = {"quick": "demo"}.get(target, target)
     assert known in TARGETS
 
@@ -240,6 +243,13 @@ def test_every_variable_of_a_results_file_is_documented(small_spec: dict[str, An
         for variable in result:
             base = re.sub(r"_(mean|sem|median|q16|q84)$", "", variable)
             assert base in described, variable
+
+
+def test_every_variable_of_the_fields_is_documented() -> None:
+    described = set(re.findall(r"`(\w+)`", text_of("docs/observables.md")))
+    for observable in OBSERVABLES:
+        assert {observable, variable_of(observable), *scalars_of(observable)} <= described
+    assert {*FIELD_VARIABLES, "x", "y", "dimension", "exponent_from"} <= described
 
 
 # -- one version -------------------------------------------------------------------------

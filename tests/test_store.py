@@ -22,8 +22,9 @@ from hypothesis.extra import numpy as hypothesis_numpy
 from roughbench import store
 from roughbench.errors import StoreError
 from roughbench.publish import check_writable
-from roughbench.results import Array, Attribute, ModelResult, Results, dimensions
+from roughbench.results import Array, Attribute, ModelResult, Results
 from roughbench.store import load, write_results
+from roughbench.variables import dimensions
 
 PRESSURES = np.array([1e-3, 1e-2, 0.1])
 
@@ -290,7 +291,7 @@ def test_refuses_what_is_no_results_file(tmp_path: Path) -> None:
 
 
 def _newer(file: h5py.File) -> None:
-    file.attrs["format_version"] = 2
+    file.attrs["format_version"] = 3
 
 
 def _no_spec(file: h5py.File) -> None:
@@ -354,7 +355,7 @@ def _virtual(file: h5py.File) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (_newer, "format version 2, newer than 1; upgrade roughbench"),
+        (_newer, "format version 3, newer than 2; upgrade roughbench"),
         (_no_spec, "damaged .*spec.*run its spec again"),
         (_no_status, "damaged .*lacks status"),
         (_flat_status, "damaged .*status must have two dimensions, got 1"),

@@ -34,7 +34,6 @@ COMMANDS = (
     "show",
     "fit",
     "report",
-    "observe",
     "plot",
     "export",
     "validate",

@@ -34,11 +34,12 @@ from roughbench.cli.options import debug_option, example, results_argument
 def command(results: Path, folder: Path, states: bool) -> None:  # noqa: FBT001
     """Write the curves of RESULTS as CSV.
 
-    DIR/EXPERIMENT-MODEL.csv holds the averages over the realizations, one row a pressure.
-    The header has the units: 1 is none, length the spec's length unit. Prints the paths
-    of the files.
+    DIR/EXPERIMENT-MODEL.csv holds the averages over the realizations, one row a pressure,
+    and DIR/EXPERIMENT-MODEL-OBSERVABLE.csv those of an observable, one row a pressure and
+    bin. The header has the units: 1 is none, length the spec's length unit. Fields that are
+    kept are not exported. Prints the paths of the files.
     """
-    from roughbench.cli.tables import states_csv, summary_csv
+    from roughbench.cli.tables import observables_csv, states_csv, summary_csv
     from roughbench.publish import commit
     from roughbench.store import load
 
@@ -48,6 +49,7 @@ def command(results: Path, folder: Path, states: bool) -> None:  # noqa: FBT001
         texts = {"": summary_csv(result)}
         if states:
             texts["-states"] = states_csv(result)
+        texts |= {f"-{name}": text for name, text in observables_csv(result).items()}
         for suffix, text in texts.items():
             path = folder / f"{experiment}-{result.label}{suffix}.csv"
             click.echo(commit(text.encode(), path))

@@ -31,7 +31,8 @@ from roughbench.cli.options import debug_option, example, results_argument
     "wanted",
     multiple=True,
     metavar="NAME",
-    help="Draw this figure only, as area, separation, stiffness or spectrum; repeatable.",
+    help="Draw this figure only, as area, separation, stiffness, spectrum, pressure_pdf or "
+    "contact; repeatable.",
 )
 @debug_option
 def command(results: Path, folder: Path, wanted: tuple[str, ...]) -> None:

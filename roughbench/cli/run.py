@@ -14,6 +14,7 @@ from roughbench.cli.progress import duration, progress_shown
 
 if TYPE_CHECKING:
     from roughbench.results import Results
+    from roughbench.spec import Spec
 
 
 @click.command(
@@ -117,7 +118,8 @@ def command(
     Writes the results file and prints its path. Finished tasks are kept in its run directory,
     RESULTS.rbrun; after an interruption, a crash or a change of the spec the same command
     computes what is missing. States that do not converge are left out of the averages,
-    counted in the file and reported here.
+    counted in the file and reported here. Observables and fields that SPEC asks for are
+    taken from the states as they are solved.
     """
     from roughbench.runner import Cluster, preview, run
     from roughbench.spec import load_spec
@@ -148,6 +150,8 @@ def command(
         click.echo(text, err=True)
     if not quiet:
         click.echo(_summary(results, target, time.monotonic() - start), err=True)
+        for text in _without_fields(loaded):
+            click.echo(text, err=True)
     click.echo(target)
 
 
@@ -175,6 +179,18 @@ def _unconverged(results: Results) -> list[str]:
         for experiment, result in results.models()
         if result.n_unconverged
     ]
+
+
+def _without_fields(spec: Spec) -> list[str]:
+    if spec.observables is None and spec.save_fields is None:
+        return []
+    names = [
+        f"{experiment}/{model.name}"
+        for experiment, variant in spec.experiments()
+        for model in variant.models
+        if not model.has_fields
+    ]
+    return [f"note: no observables, as without fields: {', '.join(names)}"] if names else []
 
 
 def _summary(results: Results, target: Path, elapsed: float) -> str:

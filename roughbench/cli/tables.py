@@ -11,7 +11,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from roughbench.results import Array, Attribute, ModelResult, Results, dimensions
+from roughbench.observables import OBSERVABLES
+from roughbench.results import Array, Attribute, ModelResult, Results
+from roughbench.variables import dimensions, variable_of
 
 _OF_SURFACE = (
     "surface",
@@ -26,7 +28,8 @@ _OF_SURFACE = (
     "rms_slope",
     "seed",
 )
-_NOT_OPTIONS = (*_OF_SURFACE, "rms_height", "grid_points")
+_OF_FIELDS = ("dimension", "exponent_from", "exponent_to", "persson_gamma")
+_NOT_OPTIONS = (*_OF_SURFACE, *_OF_FIELDS, "rms_height", "grid_points")
 
 
 def as_text(results: Results, source: str) -> str:
@@ -155,8 +158,31 @@ def states_csv(result: ModelResult) -> str:
         "realization": np.repeat(np.arange(n_realizations), n_pressures),
         "pressure": np.tile(result["pressure"], n_realizations),
     }
-    columns |= {name: result[name].ravel() for name in result if result[name].ndim == 2}
+    of_states = [name for name in result if dimensions(name) == ("realization", "pressure")]
+    columns |= {name: result[name].ravel() for name in of_states}
     return _csv(result, columns)
+
+
+def observables_csv(result: ModelResult) -> dict[str, str]:
+    """Return the averages of each observable of one model as CSV, by its variable.
+
+    One row a pressure and bin: the place of the value, its mean, standard error, and
+    Persson's theory where it says something.
+    """
+    texts = {}
+    for observable in OBSERVABLES:
+        name = variable_of(observable)
+        if name in result:
+            places = result[f"{name}_bin"]
+            columns = {
+                "pressure": np.repeat(result["pressure"], places.size),
+                f"{name}_bin": np.tile(places, result["pressure"].size),
+            }
+            for kind in ("mean", "sem", "persson"):
+                if f"{name}_{kind}" in result:
+                    columns[f"{name}_{kind}"] = result[f"{name}_{kind}"].ravel()
+            texts[name] = _csv(result, columns)
+    return texts
 
 
 def _csv(result: ModelResult, columns: dict[str, Array]) -> str:

@@ -1,4 +1,4 @@
-"""The paper's figures, each drawn from the results alone: one file per figure.
+"""The paper's figures, and those of fields, each drawn from the results alone.
 
 >>> import roughbench as rb
 >>> from roughbench import figures
@@ -20,10 +20,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from roughbench.errors import StoreError
-from roughbench.figures import area, fig3, foundation, separation, spectrum, stiffness
+from roughbench.figures import (
+    area,
+    contact,
+    fig3,
+    foundation,
+    separation,
+    spectrum,
+    stiffness,
+)
 from roughbench.figures.agreement import Agreement, departures
+from roughbench.figures.observed import Observed
 from roughbench.figures.style import publication_style, save
+from roughbench.observables import OBSERVABLES
 from roughbench.results import Results
+from roughbench.variables import variable_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,7 +43,7 @@ __all__ = ["FIGURES", "Agreement", "Recipe", "available", "departures", "render"
 
 
 class Recipe(Protocol):
-    """What the module of a figure offers."""
+    """What the module of a figure offers, or an object like it."""
 
     def missing(self, results: Results) -> str | None:
         """Return what the results lack for the figure, or None."""
@@ -48,12 +59,15 @@ FIGURES: dict[str, Recipe] = {
     "separation": separation,
     "stiffness": stiffness,
     "fig3": fig3,
+    **{variable_of(name): Observed(name) for name in OBSERVABLES},
+    "contact": contact,
 }
-"""Name → module: the paper's Figs. 1, 2, 3(a), 3(b), 4, and both halves of Fig. 3."""
+"""Name → module: the paper's Figs. 1, 2, 3(a), 3(b), 4, and both halves of Fig. 3; each
+observable, and the fields that are kept."""
 
 
 def available(results: Results) -> list[str]:
-    """Return the names of the figures that these results allow, in the paper's order."""
+    """Return the names of the figures that these results allow, the paper's in its order."""
     return [name for name, recipe in FIGURES.items() if recipe.missing(results) is None]
 
 

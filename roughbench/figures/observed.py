@@ -1,25 +1,31 @@
-"""Pictures of fields: where the models touch, and their observables side by side."""
+"""An observable of the fields: one panel per pressure, all models in each.
+
+Lines with bands are means with standard errors; Persson's theory, where it says something, is
+thin and grey. A line's spectrum is divided by πq: it stands for the surface's that is mapped to
+it.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.figures.style import (
-    COLOURS,
-    legend_above,
-    letter,
-    new_figure,
-    publication_style,
-    save,
+from roughbench.figures.style import COLOURS, footnote, legend_above, letter, new_figure
+from roughbench.figures.words import (
+    MODULUS,
+    experiment_label,
+    number_text,
+    titles,
+    unconverged_remarks,
 )
-from roughbench.figures.words import MODULUS, number_text
+from roughbench.observables import ObservableName
+from roughbench.results import ModelResult, Results
+from roughbench.variables import variable_of
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -29,25 +35,19 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 
 MOST_PANELS = 4
+"""Pressures of a single experiment; of several, two each are drawn."""
 DECADES = 1e-7
 """Values below the highest by more than this factor are cut off."""
 _DASHES = ((), (9, 1.5), (5, 1.5, 1, 1.5), (2, 1), (1, 1))
-
-
-@dataclass(frozen=True, slots=True)
-class ContactMap:
-    """One state to be drawn.
-
-    Attributes
-    ----------
-    title : str
-        Of the model.
-    pressure : ndarray of float64, shape (n, m) or (n,)
-        Contact pressure, zero out of contact, in units of E*.
-    """
-
-    title: str
-    pressure: FloatArray
+_WORDS: Mapping[ObservableName, tuple[str, str]] = {
+    "pressure_pdf": (r"pressure $\sigma/E\!^*\xi$", "density"),
+    "gap_pdf": (r"gap $g/h_\mathrm{rms}$", "density"),
+    "stress_spectrum": (r"wavevector $q$", r"$C_\sigma(q)$, lines: $C_\sigma/\pi q$"),
+    "contact_spectrum": (r"wavevector $q$", r"$C_c(q)$, lines: $C_c/\pi q$"),
+    "energy": (r"wavevector $q$", r"energy per ring"),
+    "clusters": ("points of a patch", "patches"),
+}
+_DENSITIES = ("stress_spectrum", "contact_spectrum")
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,122 +70,105 @@ class Line:
     is_theory: bool = False
 
 
-def draw_contact_maps(
-    maps: Sequence[ContactMap], rms_slope: float, name: str, folder: Path
-) -> list[Path]:
-    """Draw states side by side: white out of contact, the darker the higher the pressure.
+@dataclass(frozen=True, slots=True)
+class Observed:
+    """The figure of one observable.
 
-    Parameters
+    Attributes
     ----------
-    maps : sequence of ContactMap
-        Lines appear as stripes.
-    rms_slope : float
-        ξ; pressures are drawn up to E*ξ.
-    name : str
-        Of the files.
-    folder : Path
-
-    Returns
-    -------
-    list of Path
-        PDF and PNG.
+    observable : str
     """
-    with publication_style():
-        return save(contact_maps(maps, rms_slope), name, folder)
+
+    observable: ObservableName
+
+    def missing(self, results: Results) -> str | None:
+        """Return what the results lack for this figure, or None."""
+        name = variable_of(self.observable)
+        if any(name in result for _, result in results.models()):
+            return None
+        return f"the observable {self.observable}, which a spec asks for with observables"
+
+    def draw(self, results: Results) -> Figure:
+        """Return the figure."""
+        axis, value = _WORDS[self.observable]
+        scale = "linear" if self.observable == "pressure_pdf" else "log"
+        figure = panels(dict(self._panels(results)), axis, value, scale)
+        footnote(figure, unconverged_remarks(results))
+        return figure
+
+    def _panels(self, results: Results) -> Iterator[tuple[str, list[Line]]]:
+        """Yield what is written over a panel, and its lines."""
+        most = MOST_PANELS if len(results) == 1 else 2
+        for experiment, models in results.items():
+            names = titles(models)
+            own = {
+                names[label]: result
+                for label, result in models.items()
+                if variable_of(self.observable) in result
+            }
+            pressures = next((result["pressure"] for result in own.values()), np.empty(0))
+            count = min(most, pressures.size)
+            for k in np.linspace(0, pressures.size - 1, count).round().astype(int):
+                words = [rf"$p/{MODULUS} = {number_text(pressures[k]).strip('$')}$"]
+                words += filter(None, [experiment_label(experiment)])
+                yield ", ".join(words), self._lines(own, int(k))
+
+    def _lines(self, models: Mapping[str, ModelResult], k: int) -> list[Line]:
+        name = variable_of(self.observable)
+        lines: list[Line] = []
+        theory: list[Line] = []
+        for title, result in models.items():
+            x = result[f"{name}_bin"]
+            is_line = result.attributes["dimension"] == 1 and self.observable in _DENSITIES
+            unit = math.pi * x if is_line else np.ones(x.shape)
+            mean, sem = result[f"{name}_mean"][k], result[f"{name}_sem"][k]
+            lines.append(Line(title, x, mean / unit, sem / unit))
+            if f"{name}_persson" in result and not theory:
+                values, none = result[f"{name}_persson"][k], np.full(x.shape, math.nan)
+                theory.append(Line(self._theory(result), x, values, none, is_theory=True))
+        return lines + theory
+
+    def _theory(self, result: ModelResult) -> str:
+        if self.observable == "pressure_pdf":
+            return "Persson"
+        return rf"Persson, $\gamma = {result.attributes['persson_gamma']:g}$"
 
 
-def contact_maps(maps: Sequence[ContactMap], rms_slope: float) -> Figure:
-    """Return the figure of :func:`draw_contact_maps`."""
-    columns = min(2, len(maps))
-    rows = math.ceil(len(maps) / columns)
-    # One colour bar for all; each panel is a square of half a column.
-    from matplotlib import colormaps
-
-    figure, panels = new_figure(rows, 1.9, columns)
-    figure.set_figwidth(3.375 if columns == 2 else 2.2)
-    colours = colormaps["viridis_r"].with_extremes(bad="white")
-    for axes in panels[len(maps) :]:
-        axes.remove()
-    image = None
-    for axes, drawn in zip(panels, maps, strict=False):
-        pressure = drawn.pressure / rms_slope
-        if pressure.ndim == 1:
-            pressure = pressure[None, :]
-        image = axes.imshow(
-            np.where(pressure > 0.0, pressure, np.nan),
-            cmap=colours,
-            vmin=0.0,
-            vmax=1.0,
-            interpolation="nearest",
-            aspect="auto" if drawn.pressure.ndim == 1 else "equal",
-        )
-        axes.set(xticks=[], yticks=[])
-        share = np.count_nonzero(drawn.pressure) / drawn.pressure.size
-        axes.set_title(f"{drawn.title}\n{100 * share:.3g} % of the points", fontsize=7.5)
-    if image is not None:
-        bar = figure.colorbar(image, ax=panels[: len(maps)], location="bottom", extend="max")
-        bar.set_label(rf"pressure $\sigma/{MODULUS}\xi$")
-    return figure
-
-
-def draw_observable(
-    lines: Mapping[float, Sequence[Line]],
-    axis: str,
-    value: str,
-    name: str,
-    folder: Path,
-    scale: str = "log",
-) -> list[Path]:
-    """Draw an observable of all models, one panel per pressure.
+def panels(
+    lines: Mapping[str, Sequence[Line]], axis: str, value: str, scale: str = "log"
+) -> Figure:
+    """Return a figure of panels.
 
     Parameters
     ----------
-    lines : mapping of float to sequence of Line
-        By pressure p/E*; of more than four pressures four are drawn.
+    lines : mapping of str to sequence of Line
+        By what is written over the panel.
     axis, value : str
         What is drawn over what.
-    name : str
-        Of the files.
-    folder : Path
     scale : {"log", "linear"}
         Of the abscissa.
-
-    Returns
-    -------
-    list of Path
-        PDF and PNG.
     """
-    with publication_style():
-        return save(observable(lines, axis, value, scale), name, folder)
-
-
-def observable(
-    lines: Mapping[float, Sequence[Line]], axis: str, value: str, scale: str = "log"
-) -> Figure:
-    """Return the figure of :func:`draw_observable`."""
-    pressures = sorted(lines)
-    if len(pressures) > MOST_PANELS:
-        chosen = np.linspace(0, len(pressures) - 1, MOST_PANELS).round().astype(int)
-        pressures = [pressures[k] for k in chosen]
-    columns = min(2, len(pressures))
-    rows = math.ceil(len(pressures) / columns)
-    figure, panels = new_figure(rows, 2.1, columns, extra=0.4, share=True)
-    for axes in panels[len(pressures) :]:
+    columns = min(2, len(lines))
+    rows = math.ceil(len(lines) / columns)
+    figure, all_axes = new_figure(rows, 2.1, columns, extra=0.4, share=True)
+    for axes in all_axes[len(lines) :]:
         axes.remove()
-    for number, (axes, pressure) in enumerate(zip(panels, pressures, strict=False)):
-        _panel(axes, lines[pressure], scale)
-        letter(axes, number, rf"$p/{MODULUS} = {number_text(pressure).strip('$')}$")
+    looks = _looks([line for some in lines.values() for line in some])
+    for number, (axes, (title, some)) in enumerate(zip(all_axes, lines.items(), strict=False)):
+        _panel(axes, some, scale, looks)
+        letter(axes, number, title)
         axes.set_xlabel(axis)
         axes.set_ylabel(value)
         axes.label_outer()
-    legend_above(figure, _handles([line for p in pressures for line in lines[p]]))
+    legend_above(figure, _handles(looks))
     return figure
 
 
-def _panel(axes: Axes, lines: Sequence[Line], scale: str) -> None:
+def _panel(
+    axes: Axes, lines: Sequence[Line], scale: str, looks: Mapping[str, dict[str, Any]]
+) -> None:
     axes.set_xscale(scale)
     axes.set_yscale("log")
-    looks = _looks(lines)
     highest, lowest = 0.0, math.inf
     for line in lines:
         shown = np.isfinite(line.y) & (line.y > 0.0) & np.isfinite(line.x) & (line.x > 0.0)
@@ -215,7 +198,7 @@ def _looks(lines: Sequence[Line]) -> dict[str, dict[str, Any]]:
     return looks
 
 
-def _handles(lines: Sequence[Line]) -> list[Artist]:
+def _handles(looks: Mapping[str, dict[str, Any]]) -> list[Artist]:
     from matplotlib.lines import Line2D
 
-    return [Line2D([], [], label=title, **look) for title, look in _looks(lines).items()]
+    return [Line2D([], [], label=title, **look) for title, look in looks.items()]

@@ -90,6 +90,15 @@ def model_names(
     return names
 
 
+def titles(models: Mapping[str, ModelResult]) -> dict[str, str]:
+    """Return a title for every label, which tells it from the others."""
+    plain = [result.title for result in models.values()]
+    return {
+        label: result.title if plain.count(result.title) == 1 else f"{result.title}, {label}"
+        for label, result in models.items()
+    }
+
+
 def _counts(models: Sequence[ModelResult]) -> list[str]:
     """Return the number of realizations; a theory of the spectrum alone has none."""
     if all(_is_theory(model) for model in models):

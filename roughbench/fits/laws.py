@@ -15,7 +15,7 @@ name                        criterion
 ``u0_from_stiffness``       geometric mean of p/K over the region K ∼ p: u0 by eq. (3)
 ``exponent``,               n of K ∼ p^n, least squares in ln p over the finite-size
 ``exponent_expected``       region, and 1/(1 + H): the pressures below the region K ∼ p
-                            at which K is at least twice as large as p would have it,
+                            at which K is at least 4 times as large as p would have it,
                             and a single contact of this stiffness, of the diameter
                             K L²/E*, at least as wide as the shortest wave
 ``theta``,                  θ of eq. (10), geometric mean over the same pressures, with
@@ -43,7 +43,9 @@ Fitted = dict[str, tuple[FloatArray, NDArray[np.bool_] | None]]
 
 AREA_TOLERANCE = 0.1
 STIFFNESS_TOLERANCE = 0.2
-FINITE_SIZE_EXCESS = 2.0
+FINITE_SIZE_EXCESS = 4.0
+"""Where two laws meet the slope is between theirs: 0.03 above the lower one from here on, if
+their squares add up, and 0.1 at an excess of 2."""
 FEWEST = 3
 NEARLY_CLOSED = 0.9
 """A/A0 of the reference past which all areas agree, and tell nothing."""

@@ -22,7 +22,7 @@ class Estimate:
     value : float
         From all realizations; nan where the criterion is met nowhere.
     error : float
-        Half the distance of ``low`` and ``high``; nan where they are.
+        Half the distance of ``low`` and ``high``; nan where they are, or one is infinite.
     low, high : float
         16 % and 84 % quantiles over the resamples in which it exists; nan without
         resamples, or where it exists in less than half of them.
@@ -109,10 +109,15 @@ def estimate(values: FloatArray, bounds: NDArray[np.bool_] | None = None) -> Est
     value = float(values[0])
     is_bound = bool(bounds[0]) if bounds is not None and math.isfinite(value) else False
     drawn = values[1:]
-    found = drawn[np.isfinite(drawn)]
-    share = found.size / drawn.size if drawn.size else float(math.isfinite(value))
-    if found.size < 2 or share < 0.5 or not math.isfinite(value):
+    found = drawn[~np.isnan(drawn)]
+    share = found.size / drawn.size if drawn.size else float(not math.isnan(value))
+    if found.size < 2 or share < 0.5 or math.isnan(value):
         return Estimate(value, math.nan, math.nan, math.nan, share, is_bound)
-    low, high = np.quantile(found, [0.16, 0.84])
-    error = float(high - low) / 2.0
+    if np.isfinite(found).all():
+        low, high = np.quantile(found, [0.16, 0.84])
+    else:  # nothing lies between a number and infinity
+        low = np.quantile(found, 0.16, method="lower")
+        high = np.quantile(found, 0.84, method="higher")
+    finite = math.isfinite(value) and math.isfinite(high)
+    error = float(high - low) / 2.0 if finite else math.nan
     return Estimate(value, error, float(low), float(high), share, is_bound)

@@ -27,13 +27,6 @@ Snapshot = Callable[[], Mapping[str, NDArray[Any]]]
 """Returns the arrays that :meth:`Model.resume` continues a curve from."""
 
 
-class Solved(Protocol):
-    """Called when one more pressure is done."""
-
-    def __call__(self, snapshot: Snapshot | None = None, /) -> None:
-        """Note it; ``snapshot``, from a model that can resume, is called at once or never."""
-
-
 class Status(IntEnum):
     """How the computation of one state ended; stored as int32."""
 
@@ -41,6 +34,42 @@ class Status(IntEnum):
     STAGNATED = 1
     MAX_ITERATIONS = 2
     NOT_FINITE = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Fields:
+    """Pressure and gap of one state at every point of the heights.
+
+    Attributes
+    ----------
+    pressure : ndarray of float64, shape of the heights
+        Contact pressure σ, in the unit of the contact modulus E*; zero out of contact.
+    gap : ndarray of float64, shape of the heights
+        Local separation, length; of no account where the pressure is positive.
+    modulus : float or None
+        k_w/E* of independent springs, 1/length; None for a half-space.
+    """
+
+    pressure: FloatArray
+    gap: FloatArray
+    modulus: float | None = None
+
+
+TakeFields = Callable[[], Fields]
+"""Returns the fields of the state that was finished last."""
+
+
+class Solved(Protocol):
+    """Called when one more pressure is done, in the order of rising pressure."""
+
+    def __call__(
+        self, snapshot: Snapshot | None = None, fields: TakeFields | None = None, /
+    ) -> None:
+        """Note it.
+
+        ``snapshot`` comes from a model that can resume, ``fields`` from one with
+        :attr:`Model.has_fields`; each is called at once or never.
+        """
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,6 +146,11 @@ class Model(BaseModel, ABC):
     def title(self) -> str:
         """Name in legends and tables."""
 
+    @property
+    def has_fields(self) -> bool:
+        """Whether it knows pressure and gap at every point, and hands them to ``solved``."""
+        return False
+
     iterative: ClassVar[bool] = True
     """Whether it iterates each state to a tolerance. Threads may change its last bits then,
     and states that are there are kept when other pressures are asked for."""
@@ -161,7 +195,8 @@ class Model(BaseModel, ABC):
     ) -> Curve:
         """Return the curve at ``pressures`` (p/E*, any order), with E* = 1.
 
-        A model that takes its time over each pressure calls ``solved`` after it.
+        A model that takes its time over each pressure, or has fields, calls ``solved``
+        after it.
         """
 
     def resume(

@@ -44,6 +44,7 @@ from pydantic import Field
 
 from roughbench.errors import SolverError
 from roughbench.models._checks import checked_length, checked_pressures
+from roughbench.models._springs import hand_out_fields
 from roughbench.models.base import Curve, FloatArray, Model, Sample, Solved, Status
 from roughbench.spectrum import Spectrum
 from roughbench.surface import Undersampled, check_grid
@@ -216,6 +217,7 @@ class Foundation(Model):
     dimension: ClassVar[int] = 1
     title: ClassVar[str] = "Popov (1D foundation)"
     iterative: ClassVar[bool] = False
+    has_fields: ClassVar[bool] = True
 
     kind: Literal["foundation"] = "foundation"
     springs: int = Field(
@@ -265,8 +267,13 @@ class Foundation(Model):
         threads: int = 1,
         solved: Solved | None = None,
     ) -> Curve:
-        """Return the exact curve of one line; a single thread is all it takes."""
-        del threads, solved
+        """Return the exact curve of one line; a single thread is all it takes.
+
+        The pressure of its fields is that per nominal area, (4/π)E*δ/L.
+        """
+        del threads
         if sample.heights is None:
             raise SolverError("the foundation needs the heights of a line")
-        return foundation_curve(sample.heights, pressures, sample.length, self.ends)
+        curve = foundation_curve(sample.heights, pressures, sample.length, self.ends)
+        hand_out_fields(sample.heights, curve, 4.0 / (math.pi * sample.length), solved)
+        return curve

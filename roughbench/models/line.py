@@ -32,7 +32,15 @@ from pydantic import Field
 from roughbench.errors import SolverError
 from roughbench.models._checks import checked_length
 from roughbench.models._grids import chosen_grid
-from roughbench.models.base import Curve, FloatArray, Model, Sample, Snapshot, Solved
+from roughbench.models.base import (
+    Curve,
+    FloatArray,
+    Model,
+    Sample,
+    Snapshot,
+    Solved,
+    TakeFields,
+)
 from roughbench.spectrum import Spectrum
 
 _PER_WAVE = 16
@@ -78,6 +86,7 @@ class Line(Model):
 
     dimension: ClassVar[int] = 1
     title: ClassVar[str] = "Exact line (1D half-plane)"
+    has_fields: ClassVar[bool] = True
 
     kind: Literal["line"] = "line"
     points: int | None = Field(
@@ -116,10 +125,12 @@ class Line(Model):
         if sample.heights is None or sample.heights.ndim != 1:
             raise SolverError("the half-plane needs the heights of a line, shape (n,)")
 
-        def one_more(_snapshot: Snapshot | None = None, /) -> None:
+        def one_more(
+            _snapshot: Snapshot | None = None, fields: TakeFields | None = None, /
+        ) -> None:
             # A line takes seconds: it is not worth a checkpoint, and offers none.
             if solved is not None:
-                solved()
+                solved(None, fields)
 
         return solve_curve(
             sample.heights,

@@ -49,6 +49,7 @@ from roughbench.errors import SolverError, SurfaceError
 from roughbench.models._checks import checked_length, checked_pressures
 from roughbench.models._gaussian_excess import log_excess
 from roughbench.models._grids import chosen_grid
+from roughbench.models._springs import hand_out_fields
 from roughbench.models.base import Curve, FloatArray, Model, Sample, Solved, Status
 from roughbench.spectrum import Spectrum, mode_power, wavenumbers
 
@@ -307,6 +308,11 @@ class Winkler(Model):
         return 2 if self.heights == "realized" else 0
 
     @property
+    def has_fields(self) -> bool:
+        """Of realized heights."""
+        return self.heights == "realized"
+
+    @property
     def title(self) -> str:
         """Name in legends and tables."""
         limit = "" if self.heights == "realized" else ", Gaussian limit"
@@ -331,7 +337,7 @@ class Winkler(Model):
         solved: Solved | None = None,
     ) -> Curve:
         """Return the exact curve of one surface, or that of the Gaussian limit."""
-        del threads, solved
+        del threads
         if self.heights == "gaussian":
             if sample.spectrum is None:
                 raise SurfaceError("the Gaussian limit needs the spectrum of the heights")
@@ -340,4 +346,6 @@ class Winkler(Model):
         if sample.heights is None or sample.heights.ndim != 2:
             raise SolverError("the springs need the heights of a surface, shape (n, m)")
         modulus = self.modulus or matched_modulus(sample)
-        return winkler_curve(sample.heights, pressures, modulus)
+        curve = winkler_curve(sample.heights, pressures, modulus)
+        hand_out_fields(sample.heights, curve, modulus, solved)
+        return curve

@@ -13,7 +13,7 @@
 ...     solved = rb.solve_contact(heights, 0.01, length=2 * np.pi, threads=1)
 ...     states.append(of_state(solved, 2 * np.pi, spectrum))
 >>> pressures = average([OBSERVABLES["pressure_pdf"](state) for state in states])
->>> pressures.count, round(pressures.scalars["mean"][0], 6)  # p/(E* ξ)
+>>> pressures.count, round(pressures.scalars["nominal"][0], 6)  # p/(E* ξ)
 (3, 0.1)
 """
 
@@ -25,6 +25,7 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roughbench.models.base import Fields
 from roughbench.observables.clusters import Patches, clusters, find_patches
 from roughbench.observables.distributions import (
     gap_pdf,
@@ -57,6 +58,7 @@ __all__ = [
     "exponent",
     "find_patches",
     "gap_pdf",
+    "of_fields",
     "of_springs",
     "of_state",
     "persson_pressure_pdf",
@@ -69,7 +71,7 @@ __all__ = [
 ObservableName = Literal[
     "pressure_pdf", "gap_pdf", "stress_spectrum", "contact_spectrum", "clusters", "energy"
 ]
-OBSERVABLES: dict[str, Callable[[Field], Profile]] = {
+OBSERVABLES: dict[ObservableName, Callable[[Field], Profile]] = {
     "pressure_pdf": pressure_pdf,
     "gap_pdf": gap_pdf,
     "stress_spectrum": stress_spectrum,
@@ -137,18 +139,34 @@ def of_springs(
     Field
         Its mean pressure is ``pressure``.
     """
+    from roughbench.models._springs import spring_fields
     from roughbench.models.winkler import winkler_curve
 
-    h = np.asarray(heights, float)
-    curve = winkler_curve(h, [pressure], modulus)
-    # ū = d - ⟨h⟩ + p/k_w
-    level = float(curve.separation[0]) + h.mean() - pressure / modulus
-    overlap = h - level
+    separation = float(winkler_curve(heights, [pressure], modulus).separation[0])
+    fields = spring_fields(heights, pressure, separation, modulus)
+    return of_fields(fields, length, units)
+
+
+def of_fields(fields: Fields, length: float, units: Units) -> Field:
+    """Return the field of what a model hands out of a state, with E* = 1.
+
+    Parameters
+    ----------
+    fields : Fields
+    length : float
+        Period along the first axis, length.
+    units : Units
+        ξ and h_rms: a spectrum, or :class:`Scales`.
+
+    Returns
+    -------
+    Field
+    """
     return Field(
-        pressure=modulus * np.maximum(overlap, 0.0),
-        gap=np.maximum(-overlap, 0.0),
+        pressure=fields.pressure,
+        gap=fields.gap,
         length=length,
         rms_slope=units.rms_slope,
         rms_height=units.rms_height,
-        modulus=modulus,
+        modulus=fields.modulus,
     )

@@ -87,10 +87,10 @@ def clusters(state: Field) -> Profile:
     -------
     Profile
         Number of patches, by their size in points: 1, 2 to 3, 4 to 7, … Scalars:
-        ``number`` of patches, their mean area ``mean`` and the ``largest`` one as shares
-        of the nominal area, and the ``perimeter`` of all of them, length, along the sides
-        of the pixels (longer than a smooth edge by 4/π on average). On a line the
-        perimeter is the number of edges.
+        ``number`` of patches, their ``mean_area`` and the ``largest_area`` as shares of
+        the nominal area, and the ``perimeter`` of all of them, length, along the sides of
+        the pixels (longer than a smooth edge by 4/π on average). On a line the perimeter
+        is the number of edges.
     """
     patches = find_patches(state.contact)
     edges: FloatArray = np.exp2(np.arange(_LARGEST + 1, dtype=np.float64))
@@ -106,8 +106,8 @@ def clusters(state: Field) -> Profile:
         values=counts.astype(float),
         scalars={
             "number": float(number),
-            "mean": float(patches.points.sum()) / total / max(number, 1),
-            "largest": float(patches.points.max(initial=0)) / total,
+            "mean_area": float(patches.points.sum()) / total / max(number, 1),
+            "largest_area": float(patches.points.max(initial=0)) / total,
             "perimeter": float(patches.edges.sum()) * side,
         },
     )

@@ -33,7 +33,7 @@ def pressure_pdf(state: Field) -> Profile:
     -------
     Profile
         Over σ/(E*ξ), the density in this unit: its integral, with the share ``above`` the
-        last bin, is the contact area in points, ``contact``. ``mean`` is p/(E*ξ).
+        last bin, is the contact area in points, ``contact``. ``nominal`` is p/(E*ξ).
     """
     sigma = state.pressure[state.contact] / state.rms_slope
     counts, _ = np.histogram(sigma, PRESSURE_EDGES)
@@ -46,7 +46,7 @@ def pressure_pdf(state: Field) -> Profile:
         values=counts / points / np.diff(PRESSURE_EDGES),
         scalars={
             "contact": sigma.size / points,
-            "mean": float(sigma.sum()) / points,
+            "nominal": float(sigma.sum()) / points,
             "above": float((sigma > PRESSURE_EDGES[-1]).sum()) / points,
         },
     )
@@ -59,8 +59,8 @@ def gap_pdf(state: Field) -> Profile:
     -------
     Profile
         Over g/h_rms, the density in this unit among *all* points: its integral, with the
-        shares ``below`` and ``above`` the bins and in ``contact``, is one. ``mean`` is
-        ū/h_rms.
+        shares ``below`` and ``above`` the bins and in ``contact``, is one.
+        ``separation`` is ū/h_rms.
     """
     gap = state.gap[~state.contact] / state.rms_height
     counts, _ = np.histogram(gap, GAP_EDGES)
@@ -73,7 +73,7 @@ def gap_pdf(state: Field) -> Profile:
         values=counts / points / np.diff(GAP_EDGES),
         scalars={
             "contact": 1.0 - gap.size / points,
-            "mean": float(gap.sum()) / points,
+            "separation": float(gap.sum()) / points,
             "below": float((gap < GAP_EDGES[0]).sum()) / points,
             "above": float((gap > GAP_EDGES[-1]).sum()) / points,
         },

@@ -180,17 +180,18 @@ def average(profiles: Sequence[Profile]) -> Average:
     for other in profiles[1:]:
         if other.name != first.name or not np.array_equal(other.edges, first.edges):
             raise SolverError(f"the realizations of {first.name} have different bins")
-    mean, sem = _mean_and_error(np.stack([profile.values for profile in profiles]))
+    mean, sem = mean_and_error(np.stack([profile.values for profile in profiles]))
     scalars = {}
     for name in first.scalars:
-        a, b = _mean_and_error([[profile.scalars[name]] for profile in profiles])
+        a, b = mean_and_error([[profile.scalars[name]] for profile in profiles])
         scalars[name] = (float(a[0]), float(b[0]))
     return Average(
         first.name, first.axis, first.edges, first.places, mean, sem, scalars, len(profiles)
     )
 
 
-def _mean_and_error(values: ArrayLike) -> tuple[FloatArray, FloatArray]:
+def mean_and_error(values: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Return mean and standard error over the first axis; one row has an error of nan."""
     rows = np.asarray(values, float)
     count = len(rows)
     mean = rows.mean(axis=0)

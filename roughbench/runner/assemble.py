@@ -6,10 +6,12 @@ import numpy as np
 
 from roughbench.ensemble import STATISTICS, harmonic_mean, summarize
 from roughbench.models.base import Status
-from roughbench.results import AVERAGED, Array, ModelResult
+from roughbench.results import Array, ModelResult
+from roughbench.runner import observing
 from roughbench.runner.compute import Block
 from roughbench.runner.plan import Cell
 from roughbench.runner.samples import describe
+from roughbench.variables import AVERAGED, dimensions
 
 
 def assemble(cell: Cell, block: Block) -> ModelResult:
@@ -27,7 +29,10 @@ def assemble(cell: Cell, block: Block) -> ModelResult:
         Summaries leave out the states that did not converge; ``n_converged`` counts
         those that did.
     """
-    variables: dict[str, Array] = {"pressure": cell.pressure_array(), **block}
+    variables: dict[str, Array] = {"pressure": cell.pressure_array()}
+    variables |= {name: values for name, values in block.items() if dimensions(name) == (name,)}
+    variables |= _positions(cell, block)
+    variables |= block
     converged = variables["status"] == Status.CONVERGED
     variables["n_converged"] = converged.sum(axis=0, dtype=np.int64)
     for name in AVERAGED:
@@ -36,10 +41,26 @@ def assemble(cell: Cell, block: Block) -> ModelResult:
             for statistic in STATISTICS:
                 variables[f"{name}_{statistic}"] = getattr(summary, statistic)
     variables["stiffness_harmonic"] = harmonic_mean(variables["stiffness"], converged)
+    variables |= observing.averages(cell, variables, converged)
     return ModelResult(
         label=cell.model.name,
         kind=cell.model.kind,
         title=cell.model.title,
-        attributes=describe(cell.surface, cell.model) | {"seed": cell.seed},
+        attributes=describe(cell.surface, cell.model)
+        | {"seed": cell.seed}
+        | observing.attributes(cell),
         variables=variables,
     )
+
+
+def _positions(cell: Cell, block: Block) -> dict[str, Array]:
+    """Return where the points of the fields are, length."""
+    if "field_pressure" not in block:
+        return {}
+    shape = block["field_pressure"].shape[1:]
+    spacing = cell.surface.length / shape[0]
+    axes = dimensions("field_pressure", 1 + len(shape))[1:]
+    return {
+        axis: spacing * np.arange(n, dtype=np.float64)
+        for axis, n in zip(axes, shape, strict=True)
+    }

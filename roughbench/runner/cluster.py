@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from roughbench.errors import IncompleteError, RoughbenchError
 from roughbench.runner.checkpoint import Checkpoint
 from roughbench.runner.engine import CheckpointOf, Listener, Outcome, carry_out
-from roughbench.runner.identity import code_digest
+from roughbench.runner.identity import code_digest, observing_digest
 from roughbench.runner.plan import Task
 from roughbench.runner.resources import memory_of
 
@@ -103,7 +103,7 @@ def compute_on_cluster(
                 number,
                 task,
                 checkpoint_of(task),
-                code_digest(type(task.cell.model)),
+                _code(task),
                 topic,
                 key=f"{topic}-{number}",
                 pure=False,
@@ -262,6 +262,11 @@ def _check_workers(client: Client, tasks: Sequence[Task], cluster: Cluster) -> b
     return bool(declared)
 
 
+def _code(task: Task) -> str:
+    """Return a digest of what makes the numbers of a task."""
+    return f"{code_digest(type(task.cell.model))}-{observing_digest()}"
+
+
 def _gigabytes(task: Task) -> int:
     return math.ceil(memory_of(task) / 2**30)
 
@@ -277,7 +282,7 @@ def _carry_out_there(
     from distributed import get_worker
 
     worker = get_worker()
-    if code_digest(type(task.cell.model)) != code:
+    if _code(task) != code:
         return Outcome(
             error=RoughbenchError(
                 f"{task}: the worker {worker.address} has another version of roughbench; "

@@ -8,14 +8,16 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from roughbench.errors import RoughbenchError, SolverError
-from roughbench.models.base import Curve, Snapshot, Status
-from roughbench.results import AVERAGED, Array
+from roughbench.models.base import Curve, Snapshot, Status, TakeFields
+from roughbench.results import Array
 from roughbench.runner.checkpoint import Checkpoint
+from roughbench.runner.observing import Observer
 from roughbench.runner.plan import Task
 from roughbench.runner.samples import make_sample, rms_of
+from roughbench.variables import AVERAGED, FIELD_VARIABLES, dimensions
 
 Block = dict[str, Array]
-"""Variables by name; first axis: the realizations of one task."""
+"""Variables by name; first axis: the realizations of one task, its fields, or bins."""
 
 
 def compute(
@@ -30,7 +32,8 @@ def compute(
     task : Task
     solved : callable, optional
         Called with the number of states that are done, of the whole task, whenever there
-        are more: after each pressure of the exact solver, else after each realization.
+        are more: after each pressure of the exact solver, or where fields are observed,
+        else after each realization.
     checkpoint : Checkpoint, optional
         Keeps the finished states of a long curve, and continues from those it has; for
         tasks of one realization.
@@ -39,22 +42,27 @@ def compute(
     -------
     dict of str to ndarray
         ``area`` and so on have shape (realizations, pressures), ``rms_height`` and
-        ``rms_slope`` (realizations,).
+        ``rms_slope`` (realizations,); see :func:`roughbench.results.dimensions`.
 
     Raises
     ------
     SolverError
         If the model refuses; names the realization.
     """
-    cell, rows = task.cell, []
+    cell = task.cell
+    rows: list[Block] = []
+    observers: list[Observer] = []
     pressures = task.pressure_array()
     done = 0
 
-    def one_more(snapshot: Snapshot | None = None, /) -> None:
+    def one_more(snapshot: Snapshot | None = None, fields: TakeFields | None = None, /) -> None:
         nonlocal done
+        observer = observers[-1]
+        if fields is not None:
+            observer.note(done % pressures.size, fields)
         done += 1
         if checkpoint is not None and snapshot is not None and done < task.n_states:
-            checkpoint.offer(done, snapshot)
+            checkpoint.offer(done, lambda: {**snapshot(), **observer.snapshot()})
         if solved is not None:
             solved(done)
 
@@ -67,19 +75,28 @@ def compute(
                 sample = make_sample(
                     cell.surface, cell.model, cell.seed, realization, task.heights
                 )
+                observer = Observer(task, realization, sample)
+                observers.append(observer)
                 finished = checkpoint.load() if checkpoint is not None else None
                 if finished is None:
+                    # Cheap states are worth no word each, unless someone looks at them.
+                    watch = cell.model.iterative or not observer.is_idle
                     curve = cell.model.curve(
-                        sample, pressures, threads=task.threads, solved=one_more
+                        sample,
+                        pressures,
+                        threads=task.threads,
+                        solved=one_more if watch else None,
                     )
                 else:
                     done, arrays = finished
+                    arrays = observer.restore(arrays)
                     curve = cell.model.resume(
                         sample, pressures, arrays, threads=task.threads, solved=one_more
                     )
+                row = _row(curve, pressures.shape)
+                row |= observer.finish(row["status"])
             except RoughbenchError as error:
                 raise SolverError(f"{task.only(realization)}: {error}") from error
-            row = _row(curve, pressures.shape)
             height, slope = rms_of(sample)
             row["rms_height"], row["rms_slope"] = np.array(height), np.array(slope)
             rows.append(row)
@@ -87,7 +104,36 @@ def compute(
                 done = len(rows) * pressures.size
                 if solved is not None:
                     solved(done)
-    return {name: np.stack([row[name] for row in rows]) for name in rows[0]}
+    return _stacked(rows) | _fields(task, observers)
+
+
+def _stacked(rows: list[Block]) -> Block:
+    """Return the rows of all realizations in one; the bins are the same for all."""
+    block = {}
+    for name, values in rows[0].items():
+        if dimensions(name)[0] == name:
+            block[name] = values
+        else:
+            block[name] = np.stack([row[name] for row in rows])
+    return block
+
+
+def _fields(task: Task, observers: list[Observer]) -> Block:
+    """Return the fields that are kept, in the order of realizations and pressures."""
+    found = [
+        (realization, task.pressures[k], fields)
+        for realization, observer in zip(task.realizations, observers, strict=True)
+        for k, fields in sorted(observer.fields.items())
+    ]
+    if not found:
+        return {}
+    columns = {
+        "field_realization": np.array([r for r, _, _ in found], dtype=np.int64),
+        "field_nominal_pressure": np.array([p for _, p, _ in found]),
+        "field_pressure": np.stack([fields.pressure for _, _, fields in found]),
+        "field_gap": np.stack([fields.gap for _, _, fields in found]),
+    }
+    return {name: columns[name] for name in FIELD_VARIABLES if name in columns}
 
 
 def _row(curve: Curve, shape: tuple[int, ...]) -> Block:

@@ -365,6 +365,7 @@ class _Desk:
         total = sum(stock.cell.n_states for stock in self._stocks.values())
         if self._folder is None or total == 0:
             return ""
+        known += self._folder.states_in_checkpoints()
         text = f"{known} of {total} states are kept in {self._folder.path}"
         return text + (f"; resume: {self._command}" if self._command else "")
 

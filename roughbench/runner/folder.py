@@ -36,12 +36,12 @@ import numpy as np
 from roughbench.errors import LockedError, StoreError
 from roughbench.models.base import FloatArray
 from roughbench.publish import commit, remove_leftovers
-from roughbench.results import dimensions
 from roughbench.runner.checkpoint import Checkpoint
 from roughbench.runner.compute import Block
 from roughbench.runner.identity import Identity, key_of
 from roughbench.runner.plan import Task
 from roughbench.runner.usage import Usage, now
+from roughbench.variables import fits
 
 SUFFIX = ".rbrun"
 FORMAT = "roughbench shard 1"
@@ -302,9 +302,16 @@ class RunFolder:
 
     def checkpoint(self, task: Task, key: str) -> Checkpoint:
         """Return the checkpoint of a task of one realization."""
-        pressures = hashlib.sha256(task.pressure_array().tobytes()).hexdigest()[:12]
-        name = f"{key}-{task.realizations[0]}-{pressures}.npz"
+        first = task.realizations[0]
+        content = hashlib.sha256(task.pressure_array().tobytes())
+        for pressure in task.kept(first):
+            content.update(np.float64(pressure).tobytes())
+        name = f"{key}-{first}-{content.hexdigest()[:12]}.npz"
         return Checkpoint(self._checkpoints.absolute() / name)
+
+    def states_in_checkpoints(self) -> int:
+        """Return the number of finished states of unfinished curves."""
+        return sum(Checkpoint(path).done() for path in _entries(self._checkpoints))
 
     def write_request(self, request: dict[str, Any]) -> None:
         """Note what the run was asked for, for ``status``."""
@@ -356,10 +363,10 @@ def _read(path: Path) -> Shard:
     if key_of(meta["identity"]) != path.parent.name:
         raise ValueError("belongs to another computation than the folder it is in")
     pressures = arrays.pop("pressure")
-    shape = {"realization": int(name[2]) - int(name[1]) + 1, "pressure": len(pressures)}
+    lengths = {"realization": int(name[2]) - int(name[1]) + 1, "pressure": len(pressures)}
     for key, values in arrays.items():
-        wanted = tuple(shape[axis] for axis in dimensions(key))
-        if values.shape != wanted or values.dtype not in _DTYPES:
+        suits, wanted = fits(key, values.shape, lengths)
+        if not suits or values.dtype not in _DTYPES:
             raise ValueError(f"{key} has the shape {values.shape}, not {wanted}")
     if "status" not in arrays:
         raise ValueError("has no status")

@@ -18,6 +18,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import roughbench.models
+import roughbench.observables
 from roughbench.models.base import Model
 from roughbench.runner.plan import Cell
 from roughbench.runner.samples import heights_digest
@@ -47,7 +48,9 @@ def identity(cell: Cell, threads: int) -> Identity:
     mapping of str to str, int or float
         Heights from a file count by their content. ``code`` is a digest of the source
         files that make the numbers, the model's own and those of the surfaces: after a
-        change of one of them nothing computed before is taken for its result.
+        change of one of them nothing computed before is taken for its result. Observables
+        count where they are asked for, with their own code; fields that are kept do not:
+        a state without the field that it should have counts as missing.
 
     Raises
     ------
@@ -70,6 +73,8 @@ def identity(cell: Cell, threads: int) -> Identity:
         values["threads"] = threads
     else:
         values["pressures"] = _in_words(cell)
+    if cell.asked.observables:
+        values["observables"] = f"{', '.join(cell.asked.observables)} ({observing_digest()})"
     values["code"] = code_digest(type(model))
     return values
 
@@ -125,6 +130,16 @@ def code_digest(model: type[Model]) -> str:
     for path in sorted(texts):
         digest.update(hashlib.sha256(texts[path]).digest())
     return digest.hexdigest()[:12]
+
+
+@functools.cache
+def observing_digest() -> str:
+    """Return a digest of the source files that make the observables, 8 digits."""
+    digest = hashlib.sha256()
+    for path in sorted(Path(roughbench.observables.__file__).parent.glob("*.py")):
+        digest.update(path.read_bytes())
+    digest.update((_PACKAGE / "runner" / "observing.py").read_bytes())
+    return digest.hexdigest()[:8]
 
 
 def _unit(name: str, model: type[Model]) -> list[Path]:

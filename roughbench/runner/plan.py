@@ -10,11 +10,39 @@ import numpy as np
 
 from roughbench.errors import SurfaceError
 from roughbench.models.base import FloatArray, Model
+from roughbench.observables import OBSERVABLES, ObservableName
 from roughbench.runner.samples import Surface, check_sample, n_heights
 from roughbench.spec import FileSurface, SelfAffineSurface, Spec
 
 SECONDS_PER_TASK = 1.0
 """Small realizations are batched to about this: to commit a task costs a hundredth of it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """What is asked of the fields of a model.
+
+    Attributes
+    ----------
+    observables : tuple of str
+        In the order of :data:`roughbench.observables.OBSERVABLES`.
+    pressures : tuple of float
+        p/E* of the states whose fields are kept, ascending.
+    realizations : tuple of int
+        Those of these states, from 0, ascending.
+    """
+
+    observables: tuple[ObservableName, ...] = ()
+    pressures: tuple[float, ...] = ()
+    realizations: tuple[int, ...] = ()
+
+    @property
+    def kept(self) -> list[tuple[int, float]]:
+        """Realization and pressure of every field that is kept."""
+        return [(r, p) for r in self.realizations for p in self.pressures]
+
+
+NOTHING = Asked()
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +58,8 @@ class Cell:
         p/E*.
     n_realizations : int
     seed : int
+    asked : Asked
+        Of its fields; nothing for a model without.
     """
 
     experiment: str
@@ -38,6 +68,7 @@ class Cell:
     pressures: tuple[float, ...]
     n_realizations: int
     seed: int
+    asked: Asked = NOTHING
 
     def __str__(self) -> str:
         return f"{self.experiment}/{self.model.name}"
@@ -54,14 +85,18 @@ class Cell:
         Progress, batches and ``run -n`` rely on it. Measured, November 2026: the exact solver
         takes 0.14 µs per point and pressure on a surface (512² points), 2.2 µs on a line;
         models that do not iterate take 0.4 µs per point of a line and 0.1 µs per point of
-        a surface for all pressures, theories of the spectrum 2 to 80 ms.
+        a surface for all pressures, theories of the spectrum 2 to 80 ms. All observables
+        together take 0.17 µs per point and pressure.
         """
         dimension, n_points = self.model.dimension, float(self.n_points)
         if dimension == 0:
             return 1e4
+        observed = 0.17 * len(self.pressures) if self.asked.observables else 0.0
         if self.model.iterative:
-            return n_points * len(self.pressures) * (2.0 if dimension == 1 else 0.15)
-        return n_points * (0.5 if dimension == 1 else 0.1)
+            solved = len(self.pressures) * (2.0 if dimension == 1 else 0.15)
+        else:
+            solved = 0.5 if dimension == 1 else 0.1
+        return n_points * (solved + observed)
 
     @property
     def n_points(self) -> int:
@@ -118,6 +153,13 @@ class Task:
         """Return the pressures p/E*, shape (pressures,)."""
         return np.array(self.pressures, dtype=np.float64)
 
+    def kept(self, realization: int) -> tuple[float, ...]:
+        """Return the pressures of this task at which a realization's fields are kept."""
+        asked = self.cell.asked
+        if realization not in asked.realizations:
+            return ()
+        return tuple(p for p in self.pressures if p in asked.pressures)
+
     def only(self, realization: int) -> Task:
         """Return the part of one realization."""
         return replace(self, realizations=range(realization, realization + 1))
@@ -149,6 +191,7 @@ def plan(spec: Spec) -> list[Cell]:
             pressures=variant.pressures,
             n_realizations=_realizations(variant, model),
             seed=variant.seed,
+            asked=_asked(variant) if model.has_fields else NOTHING,
         )
         for experiment, variant in spec.experiments()
         for model in variant.models
@@ -207,6 +250,13 @@ def cut(
 @functools.lru_cache(maxsize=1024)  # asked for every task
 def _grid_points(surface: SelfAffineSurface, model: Model) -> int:
     return model.grid_points(surface.spectrum(), surface.length)
+
+
+def _asked(spec: Spec) -> Asked:
+    observables = tuple(name for name in OBSERVABLES if name in (spec.observables or ()))
+    if spec.save_fields is None:
+        return Asked(observables)
+    return Asked(observables, spec.kept_pressures, tuple(sorted(spec.save_fields.realizations)))
 
 
 def _realizations(spec: Spec, model: Model) -> int:

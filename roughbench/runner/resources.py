@@ -23,6 +23,9 @@ _PROCESS = 300 * 2**20
 """Bytes of a process with its libraries; measured: 260 MB."""
 _PER_POINT = 72
 """Bytes per point for a model that does not solve; measured: 70 (winkler)."""
+_PER_POINT_OBSERVED = 60
+"""Bytes per point to take observables from a state; measured: 43, beside its fields."""
+_PER_POINT_OF_FIELD = 16
 _FRACTION = 0.8
 _SECONDS_WORTH_PROCESSES = 4.0
 
@@ -141,9 +144,16 @@ def memory_of(task: Task) -> int:
     Examples: 0.3 GB for 512² points, 0.5 GB for 2048² (measured: 0.4 and 0.6 GB).
     """
     n_points, model = task.cell.n_points, task.cell.model
+    memory = _PROCESS
     if isinstance(model, HalfSpace | Line):
-        return _PROCESS + 8 * n_points + needed(n_points, double=model.precision == "double")
-    return _PROCESS + _PER_POINT * n_points
+        memory += 8 * n_points + needed(n_points, double=model.precision == "double")
+    else:
+        memory += _PER_POINT * n_points
+    if task.cell.asked.observables:
+        memory += _PER_POINT_OBSERVED * n_points
+    # Once as they come, once more in the block of the task and in its shard.
+    n_fields = sum(len(task.kept(realization)) for realization in task.realizations)
+    return memory + 3 * n_fields * _PER_POINT_OF_FIELD * n_points
 
 
 def check_memory(tasks: Sequence[Task], limits: Sharing) -> None:

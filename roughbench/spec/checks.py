@@ -11,6 +11,8 @@ import numpy as np
 from roughbench.errors import SurfaceError
 from roughbench.models.base import Model
 from roughbench.models.persson import Persson
+from roughbench.spec.fields import SavedFields
+from roughbench.spec.pressures import is_among, nearest
 from roughbench.spec.surfaces import FileSurface, SelfAffineSurface
 from roughbench.spec.tree import Finding, KeyPath, lookup
 
@@ -24,7 +26,11 @@ Numbered = Sequence[tuple[int, Model]]
 
 
 def check_fit(
-    tree: Any, surface: SelfAffineSurface | FileSurface | None, models: Numbered
+    tree: Any,
+    surface: SelfAffineSurface | FileSurface | None,
+    models: Numbered,
+    pressures: tuple[float, ...],
+    saved: SavedFields | None,
 ) -> Iterator[Finding]:
     """Yield every misfit between the valid parts of a spec.
 
@@ -36,10 +42,19 @@ def check_fit(
         None if it is not valid by itself.
     models : sequence of (int, Model)
         The valid ones, with their places in the list.
+    pressures : tuple of float
+        Empty if they are not valid by themselves.
+    saved : SavedFields or None
+        None if nothing is to be kept, or it is not valid by itself.
     """
     yield from _names(tree, models)
     yield from _deterministic(models)
     yield from _without_effect(models)
+    if saved is not None:
+        if pressures:
+            yield from _saved_pressures(saved, pressures)
+        if not isinstance(surface, FileSurface):
+            yield from _saved_realizations(tree, saved, models)
     if isinstance(surface, SelfAffineSurface):
         yield from _grids(surface, models)
     elif isinstance(surface, FileSurface):
@@ -73,6 +88,32 @@ def _without_effect(models: Numbered) -> Iterator[Finding]:
         for option, message in model.idle().items():
             if option in model.model_fields_set:
                 yield Finding(("models", number, option), message)
+
+
+def _saved_pressures(saved: SavedFields, pressures: tuple[float, ...]) -> Iterator[Finding]:
+    for number, pressure in enumerate(saved.pressures):
+        if not is_among(pressure, pressures):
+            yield Finding(
+                ("save_fields", "pressures", number),
+                f"{pressure:.9g} is none of the spec's pressures; add it to them, or write "
+                f"the nearest, {nearest(pressure, pressures):.9g}",
+            )
+
+
+def _saved_realizations(tree: Any, saved: SavedFields, models: Numbered) -> Iterator[Finding]:
+    common = lookup(tree, ("realizations",))
+    for number, realization in enumerate(saved.realizations):
+        for _, model in models:
+            count = model.realizations or (common if isinstance(common, int) else 1)
+            if model.has_fields and realization >= count:
+                there = (
+                    "the realization 0" if count == 1 else f"the realizations 0 to {count - 1}"
+                )
+                yield Finding(
+                    ("save_fields", "realizations", number),
+                    f"{model.name} has only {there}; remove {realization}, or raise "
+                    "realizations",
+                )
 
 
 def _grids(surface: SelfAffineSurface, models: Numbered) -> Iterator[Finding]:

@@ -27,11 +27,13 @@ Observables = Annotated[tuple[ObservableName, ...], Field(min_length=1), AfterVa
 
 
 class SavedFields(BaseModel):
-    """States whose pressure and gap ``roughbench observe`` keeps and draws."""
+    """States whose pressure and gap the results file keeps."""
 
     model_config = STRICT
 
-    pressures: PressureList = Field(description="Pressures p/E*; need not be among the spec's.")
+    pressures: PressureList = Field(
+        description="Those of the spec's pressures p/E*, with six digits."
+    )
     realizations: Annotated[
         tuple[Annotated[int, Field(ge=0, description="A realization, from 0.")], ...],
         Field(min_length=1),

@@ -15,9 +15,11 @@ from roughbench.errors import Fault, SpecError
 from roughbench.models.base import Model
 from roughbench.spec import sweep
 from roughbench.spec.checks import check_fit
+from roughbench.spec.fields import SavedFields
 from roughbench.spec.messages import translate, without_echoes
 from roughbench.spec.model import AnyModel, Spec
 from roughbench.spec.overrides import apply_overrides
+from roughbench.spec.pressures import PressureRange, Pressures, values_of
 from roughbench.spec.reading import MAX_CHARACTERS, Document, Place, read_yaml
 from roughbench.spec.surfaces import FileSurface, SelfAffineSurface, Surface
 from roughbench.spec.tree import (
@@ -32,6 +34,8 @@ from roughbench.spec.tree import (
 
 _SURFACE: TypeAdapter[SelfAffineSurface | FileSurface] = TypeAdapter(Surface)
 _MODEL: TypeAdapter[Model] = TypeAdapter(AnyModel)
+_PRESSURES: TypeAdapter[PressureRange | tuple[float, ...]] = TypeAdapter(Pressures)
+_SAVED_FIELDS: TypeAdapter[SavedFields] = TypeAdapter(SavedFields)
 
 Source = str | os.PathLike[str] | Mapping[str, Any] | Spec
 
@@ -187,7 +191,14 @@ def _validate(tree: Any, context: Mapping[str, Any]) -> tuple[Spec | None, list[
         for number, entry in enumerate(given if isinstance(given, tuple) else ())
         if (model := _part(_MODEL, entry, context)) is not None
     ]
-    findings += check_fit(tree, surface, models)
+    pressures = _part(_PRESSURES, frozen.get("pressures"), context)
+    findings += check_fit(
+        tree,
+        surface,
+        models,
+        () if pressures is None else values_of(pressures),
+        _part(_SAVED_FIELDS, frozen.get("save_fields"), context),
+    )
     return spec, without_echoes(findings, tree)
 
 

@@ -14,13 +14,13 @@ from roughbench.models import MODELS
 from roughbench.models.base import Model
 from roughbench.spec import sweep
 from roughbench.spec.fields import Observables, SavedFields
-from roughbench.spec.pressures import PressureRange, Pressures
+from roughbench.spec.pressures import Pressures, nearest, values_of
 from roughbench.spec.surfaces import STRICT, Surface
 from roughbench.spec.tree import freeze
 from roughbench.spec.yaml12 import dump
 
-_NO_CURVES = {"name", "sweep", "observables", "save_fields"}
-"""Keys that the curves of a run do not depend on."""
+_NOT_COMPUTED = {"name", "sweep"}
+"""Keys that the numbers of an experiment do not depend on."""
 
 
 def _model_kind(value: object) -> str | None:
@@ -65,11 +65,11 @@ class Spec(BaseModel):
     )
     observables: Observables | None = Field(
         default=None,
-        description="Observables of fields, for roughbench observe; default: none.",
+        description="What is taken from the fields of every state; default: nothing.",
     )
     save_fields: SavedFields | None = Field(
         default=None,
-        description="States whose fields roughbench observe keeps; default: none.",
+        description="States whose pressure and gap are kept; default: none.",
     )
 
     _text: str | None = PrivateAttr(default=None)
@@ -89,8 +89,13 @@ class Spec(BaseModel):
     @property
     def pressures(self) -> tuple[float, ...]:
         """Pressures p/E*, ascending."""
-        given = self.given_pressures
-        return given.values() if isinstance(given, PressureRange) else tuple(sorted(given))
+        return values_of(self.given_pressures)
+
+    @property
+    def kept_pressures(self) -> tuple[float, ...]:
+        """Those of the pressures at which fields are kept, ascending."""
+        given = self.save_fields.pressures if self.save_fields is not None else ()
+        return tuple(sorted({nearest(p, self.pressures) for p in given}))
 
     @property
     def text(self) -> str:
@@ -99,10 +104,9 @@ class Spec(BaseModel):
 
     @property
     def sha256(self) -> str:
-        """Hash of the curves to be computed; blind to the name, formatting, written defaults.
+        """Hash of what is to be computed; blind to the name, formatting, written defaults.
 
-        What is asked of the fields besides does not count either. Heights in a file count
-        by the path as written, not by their content.
+        Heights in a file count by the path as written, not by their content.
         """
         canonical = json.dumps(self.resolved(), sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(canonical.encode()).hexdigest()
@@ -114,7 +118,9 @@ class Spec(BaseModel):
     def resolved(self) -> dict[str, Any]:
         """Return the tree of each experiment with all defaults, without the name."""
         return {
-            name: _listed(spec.model_dump(by_alias=True, exclude_none=True, exclude=_NO_CURVES))
+            name: _listed(
+                spec.model_dump(by_alias=True, exclude_none=True, exclude=_NOT_COMPUTED)
+            )
             for name, spec in self.experiments()
         }
 

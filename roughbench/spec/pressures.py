@@ -89,3 +89,32 @@ Pressures = Annotated[
     Annotated[PressureRange, Tag("range")] | Annotated[PressureList, Tag("list")],
     Discriminator(_form),
 ]
+
+
+def values_of(pressures: PressureRange | tuple[float, ...]) -> tuple[float, ...]:
+    """Return the pressures p/E* of a range or a list, ascending."""
+    if isinstance(pressures, PressureRange):
+        return pressures.values()
+    return tuple(sorted(pressures))
+
+
+def nearest(pressure: float, pressures: tuple[float, ...]) -> float:
+    """Return the nearest of ``pressures``, by ratio.
+
+    Examples
+    --------
+    >>> nearest(3e-3, (1e-3, 1e-2))
+    0.001
+    """
+    return min(pressures, key=lambda other: abs(math.log(other / pressure)))
+
+
+def is_among(pressure: float, pressures: tuple[float, ...]) -> bool:
+    """Return whether one of ``pressures`` is meant, written with six digits or more.
+
+    Examples
+    --------
+    >>> is_among(0.333333, (1 / 3,)), is_among(0.333, (1 / 3,))
+    (True, False)
+    """
+    return math.isclose(pressure, nearest(pressure, pressures), rel_tol=2e-6)

@@ -1,8 +1,9 @@
 """How a number with its error decides: the only rules that verdicts are made by.
 
-A measured value x has an error e (half of a 68 % interval); what is decided is whether
-x ± 2e, about its 95 % interval, lies on one side of a threshold. A value without an error,
-of a theory or of a single realization, decides alone.
+A measurement x comes with a 68 % interval from low to high. Each side is doubled, to about a
+95 % interval; the claim holds if all of it lies where the claim wants it, fails if none of it
+does, and is undecided otherwise. A value without an error, of a theory or of a single
+realization, decides alone. A value that is a bound stands for all values beyond it.
 """
 
 from __future__ import annotations
@@ -25,43 +26,45 @@ class Outcome(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class AtLeast:
-    """The claim holds if the value is at least ``threshold``."""
+class Rule:
+    """Where a claim wants a value.
 
-    threshold: float
+    Attributes
+    ----------
+    inside : (float, float)
+        It holds if the whole interval lies in here.
+    outside : (float, float) or None
+        It fails if the whole interval lies out of here; default: ``inside``.
+    """
 
-    def decide(self, value: float, error: float, bound: str = "") -> Outcome:
-        """Return what a value with its error says."""
-        outcome = _side(value - self.threshold, error)
-        return _with_bound(outcome, bound, holds_with="≥", fails_with="≤")
+    inside: tuple[float, float]
+    outside: tuple[float, float] | None = None
 
-
-@dataclass(frozen=True, slots=True)
-class AtMost:
-    """The claim holds if the value is at most ``threshold``."""
-
-    threshold: float
-
-    def decide(self, value: float, error: float, bound: str = "") -> Outcome:
-        """Return what a value with its error says."""
-        outcome = _side(self.threshold - value, error)
-        return _with_bound(outcome, bound, holds_with="≤", fails_with="≥")
-
-
-@dataclass(frozen=True, slots=True)
-class Near:
-    """The claim holds if the value differs from ``target`` by at most ``tolerance``."""
-
-    target: float
-    tolerance: float
-
-    def decide(self, value: float, error: float, bound: str = "") -> Outcome:
-        """Return what a value with its error says; a bound decides nothing."""
-        outcome = _side(self.tolerance - abs(value - self.target), error)
-        return _with_bound(outcome, bound, holds_with="", fails_with="")
+    def decide(self, low: float, high: float) -> Outcome:
+        """Return what an interval says."""
+        if self.inside[0] <= low and high <= self.inside[1]:
+            return Outcome.HOLDS
+        wider = self.outside or self.inside
+        if high < wider[0] or low > wider[1]:
+            return Outcome.FAILS
+        return Outcome.UNDECIDED
 
 
-Rule = AtLeast | AtMost | Near
+def at_least(threshold: float, *, fails_below: float | None = None) -> Rule:
+    """Return the rule for values that must reach a threshold."""
+    lower = threshold if fails_below is None else fails_below
+    return Rule((threshold, math.inf), (lower, math.inf))
+
+
+def at_most(threshold: float, *, fails_above: float | None = None) -> Rule:
+    """Return the rule for values that must not pass a threshold."""
+    upper = threshold if fails_above is None else fails_above
+    return Rule((-math.inf, threshold), (-math.inf, upper))
+
+
+def near(target: float, tolerance: float) -> Rule:
+    """Return the rule for values that must be ``target`` within ``tolerance``."""
+    return Rule((target - tolerance, target + tolerance))
 
 
 def decide(rule: Rule, estimate: Estimate, bound: str = "", *, exact: bool = False) -> Outcome:
@@ -82,13 +85,21 @@ def decide(rule: Rule, estimate: Estimate, bound: str = "", *, exact: bool = Fal
         ``NOT_TESTED`` where there is no value, ``UNDECIDED`` where an error is expected
         and there is none.
     """
-    if math.isnan(estimate.value):
+    x, low, high = estimate.value, estimate.low, estimate.high
+    if math.isnan(x):
         return Outcome.NOT_TESTED
-    if math.isinf(estimate.value):
-        return rule.decide(estimate.value, 0.0, bound)
-    if math.isnan(estimate.error):
-        return rule.decide(estimate.value, 0.0, bound) if exact else Outcome.UNDECIDED
-    return rule.decide(estimate.value, estimate.error, bound)
+    if math.isnan(low):
+        if not exact:
+            return Outcome.UNDECIDED
+        low = high = x
+    # An infinite value is at no distance of its quantiles: they stand as they are.
+    low = low if math.isinf(x) else min(x, x - 2.0 * (x - low))
+    high = high if math.isinf(x) else max(x, x + 2.0 * (high - x))
+    if bound == "≥":
+        high = math.inf
+    elif bound == "≤":
+        low = -math.inf
+    return rule.decide(low, high)
 
 
 def together(outcomes: Iterable[Outcome]) -> Outcome:
@@ -101,17 +112,3 @@ def together(outcomes: Iterable[Outcome]) -> Outcome:
         if outcome in tested:
             return outcome
     return Outcome.NOT_TESTED
-
-
-def _side(margin: float, error: float) -> Outcome:
-    if margin >= 2.0 * error:
-        return Outcome.HOLDS
-    return Outcome.FAILS if margin < -2.0 * error else Outcome.UNDECIDED
-
-
-def _with_bound(outcome: Outcome, bound: str, *, holds_with: str, fails_with: str) -> Outcome:
-    """Leave open what the true value behind a bound might undo."""
-    if not bound:
-        return outcome
-    certain = {Outcome.HOLDS: holds_with, Outcome.FAILS: fails_with}
-    return outcome if certain.get(outcome) == bound else Outcome.UNDECIDED

@@ -157,6 +157,51 @@ def test_export_writes_one_file_a_model(results: Path, folder: Path, invoke: Inv
     assert float(states[4]["area [1]"]) == model["area"][1, 1]
 
 
+def test_observables_are_exported_and_drawn(folder: Path, invoke: Invoke) -> None:
+    more = "observables: [clusters, pressure_pdf, energy]\nsave_fields: {pressures: [1.0e-3]}\n"
+    (folder / "small.yaml").write_text((folder / "small.yaml").read_text() + more)
+    rb.run(folder / "small.yaml", output=folder / "seen.h5")
+    result = rb.load(folder / "seen.h5")["main"]["foundation"]
+    done = invoke("export", "seen.h5", "--csv", "tables", "--states")
+    assert done.exit_code == 0, done.stderr
+    texts = {path.name: path.read_text().splitlines() for path in (folder / "tables").iterdir()}
+    assert set(texts) == {
+        *(
+            f"main-{model}{s}.csv"
+            for model in ("foundation", "persson")
+            for s in ("", "-states")
+        ),
+        "main-foundation-clusters.csv",
+        "main-foundation-energy_spectrum.csv",
+        "main-foundation-pressure_pdf.csv",
+    }
+    rows = list(csv.DictReader(texts["main-foundation-pressure_pdf.csv"]))
+    assert len(rows) == 3 * 120
+    for name in ("pressure_pdf_mean", "pressure_pdf_sem", "pressure_pdf_persson"):
+        column = np.array([float(row[f"{name} [1]"]) for row in rows])
+        np.testing.assert_array_equal(column, result[name].ravel())
+    assert [rows[120][f"{axis} [1]"] for axis in ("pressure", "pressure_pdf_bin")] == [
+        "0.001",
+        "0.0125",
+    ]
+    averages = list(csv.DictReader(texts["main-foundation.csv"]))
+    assert float(averages[2]["clusters_number_mean [1]"]) == result["clusters_number_mean"][2]
+    states = list(csv.DictReader(texts["main-foundation-states.csv"]))
+    assert float(states[5]["clusters_number [1]"]) == result["clusters_number"][1, 2]
+    assert not {"clusters [1]", "field_gap [length]"} & set(states[0])
+    done = invoke("plot", "seen.h5", "--figure", "clusters", "--figure", "contact")
+    assert done.exit_code == 0, done.stderr
+    drawn = {path.stem for path in (folder / "figures").iterdir()}
+    assert drawn == {"clusters", "contact"}
+    shown = invoke("show", "seen.h5")
+    assert shown.exit_code == 0
+    assert "dimension" not in shown.stdout
+    content = json.loads(invoke("show", "seen.h5", "--json").stdout)
+    found = content["experiments"]["main"]["foundation"]["variables"]
+    assert len(found["field_gap"][0]) == 128
+    assert len(found["clusters"][19][2]) == 40
+
+
 def test_export_needs_a_folder(results: Path, folder: Path, invoke: Invoke) -> None:
     assert invoke("export", results).exit_code == 2
     assert invoke("export", results, "--csv", "small.yaml").exit_code == 2

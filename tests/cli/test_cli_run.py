@@ -60,6 +60,15 @@ def test_the_same_bytes_for_any_number_of_jobs(
     assert (folder / "one.h5").read_bytes() == (folder / "two.h5").read_bytes()
 
 
+@pytest.mark.usefixtures("folder")
+def test_models_without_fields_are_named(invoke: Invoke) -> None:
+    done = invoke("run", "small.yaml", "--set", "observables=[clusters]", "-j", 1)
+    assert done.exit_code == 0
+    assert done.stderr.endswith("\nnote: no observables, as without fields: main/persson\n")
+    assert "clusters_mean" in rb.load("small.h5")["main"]["foundation"]
+    assert "note" not in invoke("run", "small.yaml").stderr
+
+
 def test_set_and_output(folder: Path, invoke: Invoke) -> None:
     options = ("--set", "surface.H=0.8", "--set", "realizations=2", "-o", "h 08.h5")
     done = invoke("run", "small.yaml", *options)

@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 
 import roughbench as rb
 from roughbench.ensemble import summarize
-from roughbench.figures import FIGURES, render
+from roughbench.figures import FIGURES, available, render
 from roughbench.figures.style import publication_style
-from roughbench.results import AVERAGED, ModelResult, Results
+from roughbench.observables import OBSERVABLES
+from roughbench.results import ModelResult, Results
+from roughbench.variables import AVERAGED
 
 FloatArray = NDArray[np.float64]
 Make = Callable[..., ModelResult]
@@ -122,10 +124,26 @@ def computed() -> Results:
 
 
 @pytest.fixture(scope="session")
+def observed() -> Results:
+    """Return the results of a run that looks at fields."""
+    return rb.run(
+        {
+            "name": "observed",
+            "surface": {"H": 0.7, "q0": 1.0, "qr": 2.0, "q1": 32.0, "slope": 0.1},
+            "pressures": [1e-4, 3e-4, 1e-3, 1e-2, 5e-2, 1e-1],
+            "realizations": 2,
+            "models": [{"kind": "foundation", "springs": 128}, {"kind": "winkler"}],
+            "observables": list(OBSERVABLES),
+            "save_fields": {"pressures": [1e-4, 1e-3, 1e-2, 1e-1], "realizations": [0, 1]},
+        }
+    )
+
+
+@pytest.fixture(scope="session")
 def rendered(computed: Results, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with all figures of ``computed``, a folder below a new one."""
     folder = tmp_path_factory.mktemp("rendered") / "new" / "folder"
-    for name in FIGURES:
+    for name in available(computed):
         pdf, png = render(computed, name, folder)
         assert (pdf, png) == (folder / f"{name}.pdf", folder / f"{name}.png")
     return folder

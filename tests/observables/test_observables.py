@@ -70,10 +70,10 @@ def test_the_pressures_add_up_to_area_and_load(solved: list[Field]) -> None:
         area = found.scalars["contact"]
         assert area == np.count_nonzero(state.pressure) / state.pressure.size
         assert integral(found) + found.scalars["above"] == pytest.approx(area, rel=1e-12)
-        assert found.scalars["mean"] == pytest.approx(0.003 / 0.1, rel=1e-6)
+        assert found.scalars["nominal"] == pytest.approx(0.003 / 0.1, rel=1e-6)
         mean = float((found.values * found.places * np.diff(found.edges)).sum())
         # Bins are 0.025 wide: each value is off by at most half of it.
-        assert abs(mean - found.scalars["mean"]) < 0.0125 * area
+        assert abs(mean - found.scalars["nominal"]) < 0.0125 * area
 
 
 def test_the_gaps_add_up_to_one_and_to_the_separation(solved: list[Field]) -> None:
@@ -83,7 +83,7 @@ def test_the_gaps_add_up_to_one_and_to_the_separation(solved: list[Field]) -> No
         assert integral(found) + rest == pytest.approx(1.0, rel=1e-12)
         exact = rb.solve_contact(heights(r), 0.003, length=SIDE, threads=1)
         expected = exact.mean_separation / SPECTRUM.rms_height
-        assert found.scalars["mean"] == pytest.approx(expected, rel=1e-4)
+        assert found.scalars["separation"] == pytest.approx(expected, rel=1e-4)
 
 
 def test_perssons_distribution_has_his_area_and_the_load() -> None:
@@ -329,8 +329,8 @@ def test_clusters_count_every_patch(solved: list[Field]) -> None:
         patches = find_patches(state.contact)
         assert found.values.sum() == found.scalars["number"] == patches.points.size
         area = state.contact.mean()
-        assert found.scalars["mean"] * found.scalars["number"] == pytest.approx(area)
-        assert found.scalars["largest"] == patches.points.max() / state.contact.size
+        assert found.scalars["mean_area"] * found.scalars["number"] == pytest.approx(area)
+        assert found.scalars["largest_area"] == patches.points.max() / state.contact.size
         assert found.scalars["perimeter"] == pytest.approx(
             patches.edges.sum() * SIDE / 256, rel=1e-12
         )

@@ -293,8 +293,9 @@ def test_a_killed_curve_goes_on_from_its_last_pressure(
     # The stop is what kills it, not what the numbers depend on.
     monkeypatch.setattr("roughbench.runner.survey.identity", lambda *_: {"model.kind": "steps"})
     monkeypatch.setattr(driver, "plan", lambda _: [steps(small_spec, 7)])
-    with pytest.raises(rb.SolverError, match="killed"):
+    with pytest.raises(rb.SolverError, match="killed") as caught:
         rb.run(small_spec, output=output)
+    assert caught.value.__notes__[-1] == f"7 of 10 states are kept in {output}.rbrun"
     monkeypatch.setattr(driver, "plan", lambda _: [steps(small_spec, 10)])
     kept = list(output.with_name("r.h5.rbrun").glob("checkpoints/*.npz"))
     assert len(kept) == 1

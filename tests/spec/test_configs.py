@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
@@ -24,6 +25,14 @@ def test_they_are_all_there() -> None:
         "paper/fig4.yaml",
         "quick.yaml",
         "smoke.yaml",
+        "study/below.yaml",
+        "study/contenders.yaml",
+        "study/cutoff.yaml",
+        "study/fields.yaml",
+        "study/hurst.yaml",
+        "study/resolution.yaml",
+        "study/rolloff.yaml",
+        "study/size.yaml",
     ]
 
 
@@ -31,17 +40,22 @@ def test_they_are_all_there() -> None:
 def test_each_says_what_it_is_for_and_holds_what_it_promises(path: Path) -> None:
     assert path.read_text(encoding="utf-8").startswith("# ")
     spec = load_spec(path)
-    paper = path.parent.name == "paper"
-    assert spec.name == (f"paper-{path.stem}" if paper else path.stem)
+    folder = path.parent.name
+    paper = folder == "paper"
+    assert spec.name == (path.stem if folder == "configs" else f"{folder}-{path.stem}")
     experiments = spec.experiments()
-    assert len(experiments) == 2, "without and with a roll-off"
+    if folder == "study":
+        assert len(spec.sweep) == 1, "one thing varies"
+    else:
+        assert len(experiments) == 2, "without and with a roll-off"
     for _, experiment in experiments:
         surface = experiment.surface
         assert isinstance(surface, SelfAffineSurface)
         assert surface.q_max == 8192.0 or not paper
         for model in experiment.models:
             if isinstance(model, Foundation):
-                assert model.springs >= 4 * surface.q_max
+                waves = surface.q_max * surface.length / (2 * math.pi)
+                assert model.springs >= 4 * waves
                 assert model.undersampled == "error"
 
 

@@ -7,65 +7,90 @@ import math
 import pytest
 
 from roughbench.fits import Estimate
-from roughbench.verdict.rules import AtLeast, AtMost, Near, Outcome, Rule, decide, together
+from roughbench.verdict.rules import Outcome, Rule, at_least, at_most, decide, near, together
 
 H, F, U, N = Outcome.HOLDS, Outcome.FAILS, Outcome.UNDECIDED, Outcome.NOT_TESTED
+FOLLOWS, ANOTHER = at_most(1.5, fails_above=2.0), at_least(2.0, fails_below=1.5)
 
 
-def value(x: float, error: float = math.nan) -> Estimate:
-    return Estimate(x, error, x - error, x + error, 1.0)
+def value(x: float, down: float = math.nan, up: float | None = None) -> Estimate:
+    up = down if up is None else up
+    return Estimate(x, (down + up) / 2, x - down, x + up, 1.0)
 
 
 @pytest.mark.parametrize(
     ("rule", "x", "outcome"),
     [
         # ± 2 × 0.1 about the value decides.
-        (AtLeast(2.0), 2.21, H),
-        (AtLeast(2.0), 2.19, U),
-        (AtLeast(2.0), 1.81, U),
-        (AtLeast(2.0), 1.79, F),
-        (AtMost(2.0), 1.79, H),
-        (AtMost(2.0), 1.81, U),
-        (AtMost(2.0), 2.19, U),
-        (AtMost(2.0), 2.21, F),
-        (Near(2.0, 0.5), 2.29, H),
-        (Near(2.0, 0.5), 2.31, U),
-        (Near(2.0, 0.5), 2.69, U),
-        (Near(2.0, 0.5), 2.71, F),
-        (Near(2.0, 0.5), 1.71, H),
-        (Near(2.0, 0.5), 1.29, F),
+        (at_least(2.0), 2.21, H),
+        (at_least(2.0), 2.19, U),
+        (at_least(2.0), 1.81, U),
+        (at_least(2.0), 1.79, F),
+        (at_most(2.0), 1.79, H),
+        (at_most(2.0), 1.81, U),
+        (at_most(2.0), 2.19, U),
+        (at_most(2.0), 2.21, F),
+        (near(2.0, 0.5), 2.29, H),
+        (near(2.0, 0.5), 2.31, U),
+        (near(2.0, 0.5), 2.69, U),
+        (near(2.0, 0.5), 2.71, F),
+        (near(2.0, 0.5), 1.71, H),
+        (near(2.0, 0.5), 1.29, F),
+        # Between "follows" and "another law" neither is shown.
+        (FOLLOWS, 1.29, H),
+        (FOLLOWS, 1.31, U),
+        (FOLLOWS, 1.75, U),
+        (FOLLOWS, 2.19, U),
+        (FOLLOWS, 2.21, F),
+        (ANOTHER, 2.21, H),
+        (ANOTHER, 1.75, U),
+        (ANOTHER, 1.29, F),
     ],
 )
 def test_two_errors_decide(rule: Rule, x: float, outcome: Outcome) -> None:
     assert decide(rule, value(x, 0.1)) == outcome
 
 
+def test_each_side_has_its_own_error() -> None:
+    """A factor of 10 that may as well be 500, but not less than 7, is more than 2."""
+    assert decide(at_least(2.0), value(10.0, 3.0, 490.0)) == H
+    assert decide(at_least(2.0), value(10.0, 4.5, 490.0)) == U
+    assert decide(at_most(20.0), value(10.0, 3.0, 490.0)) == U
+
+
 def test_a_theory_decides_without_an_error() -> None:
-    assert decide(AtLeast(2.0), value(2.0), exact=True) == H
-    assert decide(AtLeast(2.0), value(1.999), exact=True) == F
+    assert decide(at_least(2.0), value(2.0), exact=True) == H
+    assert decide(at_least(2.0), value(1.999), exact=True) == F
     # But where an error is expected, its absence leaves the question open.
-    assert decide(AtLeast(2.0), value(5.0)) == U
+    assert decide(at_least(2.0), value(5.0)) == U
 
 
 def test_what_does_not_exist_is_not_tested() -> None:
-    for rule in (AtLeast(2.0), AtMost(2.0), Near(2.0, 1.0)):
+    for rule in (at_least(2.0), at_most(2.0), near(2.0, 1.0)):
         assert decide(rule, value(math.nan)) == N
 
 
-def test_infinity_is_beyond_every_threshold() -> None:
-    assert decide(AtLeast(2.0), value(math.inf)) == H
-    assert decide(AtMost(2.0), value(math.inf)) == F
-    assert decide(Near(2.0, 1.0), value(math.inf)) == F
+def test_infinity_counts_with_the_scatter_around_it() -> None:
+    always = Estimate(math.inf, math.nan, math.inf, math.inf, 1.0)
+    often = Estimate(math.inf, math.nan, 12.0, math.inf, 1.0)
+    for infinite in (always, often):
+        assert decide(at_least(2.0), infinite) == H
+        assert decide(at_most(2.0), infinite) == F
+    assert decide(at_least(20.0), often) == U
+    alone = Estimate(math.inf, math.nan, math.nan, math.nan, 1.0)
+    assert decide(at_least(2.0), alone, exact=True) == H
+    assert decide(at_least(2.0), alone) == U
 
 
 @pytest.mark.parametrize(
     ("rule", "bound", "above", "below"),
     [
-        (AtLeast(2.0), "≥", H, U),
-        (AtLeast(2.0), "≤", U, F),
-        (AtMost(2.0), "≥", F, U),
-        (AtMost(2.0), "≤", U, H),
-        (Near(2.0, 0.5), "≥", U, U),
+        (at_least(2.0), "≥", H, U),
+        (at_least(2.0), "≤", U, F),
+        (at_most(2.0), "≥", F, U),
+        (at_most(2.0), "≤", U, H),
+        (near(2.0, 0.5), "≥", F, U),
+        (near(2.0, 0.5), "≤", U, F),
     ],
 )
 def test_a_bound_decides_on_its_own_side(

@@ -104,9 +104,7 @@ def test_models_are_held_against_the_exact_solution(
         found = judged(results(model(curves()), other))[key]
         [measured] = found.measurements
         assert measured.value == pytest.approx(factor)
-        # Between 1.5 and 2 both sides are wrong: it neither follows nor is another law.
-        expected = F if outcome == U else outcome
-        assert found.outcome == expected, (factor, measured)
+        assert found.outcome == outcome, (factor, measured)
 
 
 def test_coupling_is_the_reason_only_if_springs_fail_in_all() -> None:

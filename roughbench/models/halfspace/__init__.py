@@ -24,6 +24,7 @@ class HalfSpace(Model):
 
     dimension: ClassVar[int] = 2
     title: ClassVar[str] = "Exact (BEM)"
+    has_fields: ClassVar[bool] = True
 
     kind: Literal["bem"] = "bem"
     grid: int | None = Field(

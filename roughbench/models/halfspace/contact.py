@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import os
 from collections.abc import Mapping
@@ -11,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roughbench.errors import SolverError
-from roughbench.models.base import Curve, FloatArray, Solved, Status
+from roughbench.models.base import Curve, Fields, FloatArray, Solved, Status
 from roughbench.models.halfspace import memory
 from roughbench.models.halfspace.solver import (
     FLOAT32_FLOOR,
@@ -64,9 +65,6 @@ class ContactState:
             self.status = Status.CONVERGED
             self.certificate = Certificate(0.0, 0.0, 0.0)
             self.iterations = self.transform_pairs = 0
-            sigma, _ = solver.traction_at_full_contact()
-            pressure = (sigma + load) * problem.pressure_unit
-            gap = np.zeros_like(pressure)
         else:
             self.area_fraction, self.area_fraction_raw = solver.area(solution.points)
             self.mean_separation = -solution.alpha * solver.rms
@@ -74,11 +72,8 @@ class ContactState:
             self.status = solution.status
             self.certificate = solution.certificate
             self.iterations, self.transform_pairs = solution.iterations, solution.pairs
-            pressure, gap = solver.dense(solution)
-            pressure *= problem.pressure_unit
-            gap *= solver.rms
-        self.pressure = pressure.reshape(problem.shape)
-        self.gap = gap.reshape(problem.shape)
+        fields = problem.fields(solution, load)
+        self.pressure, self.gap = fields.pressure, fields.gap
 
     def stiffness(self) -> float:
         """K = −dp/dū at frozen contact, modulus/length; inf at full contact."""
@@ -184,7 +179,7 @@ def solve_curve(
     length, modulus, tolerance, precision, threads, max_iterations
         As in :func:`solve_contact`.
     solved : callable, optional
-        Called after each pressure, with a function that returns a snapshot.
+        Called after each pressure, with functions that return a snapshot and the fields.
     finished : mapping of str to ndarray, optional
         Snapshot of the same curve to go on from, to the bits it would have had.
 
@@ -212,6 +207,7 @@ def solve_curve(
     for i in np.argsort(loads, kind="stable")[progress.done :]:
         load = float(loads[i])
         state = states[i]
+        solution = None
         if load >= solver.full_load:
             state["area"] = state["area_raw"] = 1.0
             state["separation"] = 0.0
@@ -237,7 +233,7 @@ def solve_curve(
             state["transform_pairs"] = solver.pairs - before
         progress.done += 1
         if solved is not None:
-            solved(progress.snapshot)
+            solved(progress.snapshot, functools.partial(problem.fields, solution, load))
     columns = {name: np.ascontiguousarray(states[name]) for name in states.dtype.names or ()}
     return Curve(
         pressure=np.array(pressures, dtype=np.float64),
@@ -388,3 +384,15 @@ class _Problem:
                 f"these heights ({SMALLEST_LOAD:g} E* h_rms/Δ), got {low[0]}"
             )
         return loads
+
+    def fields(self, solution: Solution | None, load: float) -> Fields:
+        """Return pressure, in the unit of the modulus, and gap of a state, None for full."""
+        if solution is None:
+            sigma, _ = self.solver.traction_at_full_contact()
+            pressure = (sigma + load) * self.pressure_unit
+            gap = np.zeros_like(pressure)
+        else:
+            pressure, gap = self.solver.dense(solution)
+            pressure *= self.pressure_unit
+            gap *= self.solver.rms
+        return Fields(pressure.reshape(self.shape), gap.reshape(self.shape))
