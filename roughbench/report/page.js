@@ -71,7 +71,7 @@
       yaxis: () => goTo({ yaxis: isLog("yaxis") ? "linear" : "log" }),
       reset: () => goTo({ xaxis: div.layout.xaxis.type, yaxis: div.layout.yaxis.type }),
       save: () => Plotly.downloadImage(div, {
-        format: "svg", filename: figure.id, width: div.clientWidth, height: div.clientHeight,
+        format: "svg", filename: figure.dataset.name, width: div.clientWidth, height: div.clientHeight,
       }),
     };
     const show = () => {

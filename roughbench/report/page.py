@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib import resources
+from pathlib import PurePosixPath
 from string import Template
 
 from roughbench import __version__
@@ -115,12 +116,15 @@ def _command(content: Content) -> str:
 
 
 def _figures(place: int, source: Source, looks: dict[str, Look]) -> str:
-    prefix = f"file-{place}"
-    parts = [_charts(prefix, curve_charts(source, looks))]
+    stem = PurePosixPath(source.name).stem
+    parts = [_charts(place, stem, curve_charts(source, looks))]
     if observables := observable_charts(source, looks):
-        parts += [f"<h4>Observables</h4><p>{_OBSERVABLES}</p>", _charts(prefix, observables)]
+        parts += [
+            f"<h4>Observables</h4><p>{_OBSERVABLES}</p>",
+            _charts(place, stem, observables),
+        ]
     if maps := field_charts(source):
-        parts += [f"<h4>Maps of the contact</h4><p>{_MAPS}</p>", _charts(prefix, maps)]
+        parts += [f"<h4>Maps of the contact</h4><p>{_MAPS}</p>", _charts(place, stem, maps)]
     if (left_out := n_fields(source) - MOST_MAPS) > 0:
         parts.append(f"<p>{left_out} more fields are in the file.</p>")
     drawn = "\n".join(parts)
@@ -142,17 +146,18 @@ _AXES = {"xaxis": "x", "yaxis": "y", "reset": "whole range"}
 _SAVE = {"save": "save as SVG"}
 
 
-def _charts(prefix: str, charts: Sequence[Chart]) -> str:
-    return f'<div class="charts">{"".join(_chart(prefix, chart) for chart in charts)}</div>'
+def _charts(place: int, stem: str, charts: Sequence[Chart]) -> str:
+    drawn = "".join(_chart(f"file-{place}-{c.key}", f"{stem}-{c.key}", c) for c in charts)
+    return f'<div class="charts">{drawn}</div>'
 
 
-def _chart(prefix: str, chart: Chart) -> str:
+def _chart(key: str, name: str, chart: Chart) -> str:
     tools = "".join(
         f'<button type="button" data-do="{action}">{words}</button>'
         for action, words in ((_AXES | _SAVE) if chart.has_axes else _SAVE).items()
     )
     return (
-        f'<figure class="chart" id="{prefix}-{escape(chart.key)}">'
+        f'<figure class="chart" id="{escape(key)}" data-name="{escape(name)}">'
         f"<figcaption>{chart.title}</figcaption>"
         f'<div class="plot" role="img" aria-label="{escape(chart.label)}"></div>'
         f'<div class="tools" hidden>{tools}</div>'
