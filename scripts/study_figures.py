@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullLocator
 
 import roughbench as rb
 from roughbench.figures.style import (
@@ -73,6 +74,10 @@ def contenders(results: Results) -> Figure:
                 (line,) = panel.plot(p, ratio, color=colour, ls=dashes, lw=1.2, label=words)
                 handles[words] = line
             panel.set(xscale="log", yscale="log", ylim=(0.09, 40) if row == 0 else (0.25, 8))
+            if row:
+                panel.yaxis.set_major_locator(FixedLocator([0.3, 0.5, 1.0, 2.0, 4.0, 8.0]))
+                panel.yaxis.set_major_formatter(FormatStrFormatter("%g"))
+                panel.yaxis.set_minor_locator(NullLocator())
             letter(panel, 2 * row + column, experiment.replace("surface.qr=", "$q_r/q_0$ = "))
             if column == 0:
                 panel.set_ylabel(label)
@@ -105,9 +110,10 @@ def sizes(results: Results) -> Figure:
     for panel in (left, right):
         panel.set(xscale="log", ylim=(0, 4.2), ylabel=r"$\bar u/h_\mathrm{rms}$")
     left.set_xlabel("$p/E^*$")
+    right.set_xlim(None, 1e-2)
     right.set_xlabel("$p\\,L q_0/(2\\pi E^*)$")
     letter(left, 0, "against the pressure")
-    letter(right, 1, "foundation, against p L")
+    letter(right, 1, "foundation, against $p L$")
     left.legend(fontsize=SMALL - 1, ncols=2)
     return figure
 
@@ -231,6 +237,7 @@ def resolution(results: Results) -> Figure:
     for panel in (left, right):
         panel.axhline(1.0, color=GUIDE, lw=0.8)
         panel.set_xscale("log", base=2)
+        panel.xaxis.set_major_formatter(FormatStrFormatter("%g"))
         panel.set_xlabel("points on the shortest wave")
     left.set_ylabel("$A$, over the finest corrected")
     right.set_ylabel(r"$\bar u$ (squares), $K$ (triangles), over the finest")
