@@ -137,8 +137,8 @@ def kappas(runs: Mapping[str, Results]) -> Figure:
     """Draw κ against the Hurst exponent and Nayak's parameter."""
     figure, (left, right) = new_figure(1, 2.7, columns=2)
     words = {
-        "hurst": "H from 0.3 to 0.9",
-        "cutoff": "q₁ from 32 to 1024 q₀",
+        "hurst": "$H$ from 0.3 to 0.9",
+        "cutoff": "$q_1/q_0$ from 32 to 1024",
         "rolloff": "$q_r/q_0$ from 1 to 128",
     }
     for k, (name, label) in enumerate(words.items()):
@@ -156,7 +156,7 @@ def kappas(runs: Mapping[str, Results]) -> Figure:
         panel.set(ylim=(1.5, 2.6), ylabel="κ")
     left.text(0.3, 1.61, "Persson", fontsize=SMALL, color=GUIDE)
     left.text(0.3, 2.45, "Bush, Gibson and Thomas", fontsize=SMALL, color=GUIDE, va="top")
-    left.set_xlabel("H")
+    left.set_xlabel("$H$")
     right.set(xscale="log", xlabel="Nayak's parameter")
     right.legend(fontsize=SMALL)
     letter(left, 0)
