@@ -33,8 +33,8 @@ from roughbench.verdict.sizes import size_exponent
 FOLLOWS = 1.5
 ANOTHER = 2.0
 
-_TO_FOLLOW = at_most(FOLLOWS, fails_above=ANOTHER)
-_TO_DIFFER = at_least(ANOTHER, fails_below=FOLLOWS)
+_TO_FOLLOW = at_most(FOLLOWS, fails_above=ANOTHER, of_ratio=True)
+_TO_DIFFER = at_least(ANOTHER, fails_below=FOLLOWS, of_ratio=True)
 _QUANTITIES = {"area": "A/A₀", "separation": "ū/h_rms", "stiffness": "K h_rms"}
 
 
@@ -191,7 +191,7 @@ def _close(cases: Sequence[Case], _resamples: int) -> Iterator[Measurement]:
             here = case.fits[model.label]["half_contact"]
             ratio = _ratio(there, here)
             words = "p at A/A₀ = ½, exact over foundation"
-            yield _taken(case, model, words, ratio, at_least(ANOTHER))
+            yield _taken(case, model, words, ratio, at_least(ANOTHER, of_ratio=True))
 
 
 def _u0(cases: Sequence[Case], _resamples: int) -> Iterator[Measurement]:
@@ -275,7 +275,9 @@ def _below_rolloff(cases: Sequence[Case], resamples: int) -> Iterator[Measuremen
         found = factors(here, there, resamples)
         for name, words in _QUANTITIES.items():
             text = f"largest factor in {words} between cut-off and roll-off"
-            yield _taken(without, here, text, found[f"{name}_factor"], at_most(1.2))
+            yield _taken(
+                without, here, text, found[f"{name}_factor"], at_most(1.2, of_ratio=True)
+            )
 
 
 def _sizes(target: float, kind: str) -> Measure:

@@ -1,7 +1,7 @@
 """How a number with its error decides: the only rules that verdicts are made by.
 
 A measurement x comes with a 68 % interval from low to high. Each side is doubled, to about a
-95 % interval; the claim holds if all of it lies where the claim wants it, fails if none of it
+95 % interval (for factors and ratios: in the logarithm); the claim holds if all of it lies where the claim wants it, fails if none of it
 does, and is undecided otherwise. A value without an error, of a theory or of a single
 realization, decides alone. A value that is a bound stands for all values beyond it.
 """
@@ -35,10 +35,13 @@ class Rule:
         It holds if the whole interval lies in here.
     outside : (float, float) or None
         It fails if the whole interval lies out of here; default: ``inside``.
+    of_ratio : bool
+        Whether the value is a positive ratio, whose error is one of its logarithm.
     """
 
     inside: tuple[float, float]
     outside: tuple[float, float] | None = None
+    of_ratio: bool = False
 
     def decide(self, low: float, high: float) -> Outcome:
         """Return what an interval says."""
@@ -50,16 +53,20 @@ class Rule:
         return Outcome.UNDECIDED
 
 
-def at_least(threshold: float, *, fails_below: float | None = None) -> Rule:
+def at_least(
+    threshold: float, *, fails_below: float | None = None, of_ratio: bool = False
+) -> Rule:
     """Return the rule for values that must reach a threshold."""
     lower = threshold if fails_below is None else fails_below
-    return Rule((threshold, math.inf), (lower, math.inf))
+    return Rule((threshold, math.inf), (lower, math.inf), of_ratio)
 
 
-def at_most(threshold: float, *, fails_above: float | None = None) -> Rule:
+def at_most(
+    threshold: float, *, fails_above: float | None = None, of_ratio: bool = False
+) -> Rule:
     """Return the rule for values that must not pass a threshold."""
     upper = threshold if fails_above is None else fails_above
-    return Rule((-math.inf, threshold), (-math.inf, upper))
+    return Rule((-math.inf, threshold), (-math.inf, upper), of_ratio)
 
 
 def near(target: float, tolerance: float) -> Rule:
@@ -92,9 +99,12 @@ def decide(rule: Rule, estimate: Estimate, bound: str = "", *, exact: bool = Fal
         if not exact:
             return Outcome.UNDECIDED
         low = high = x
-    # An infinite value is at no distance of its quantiles: they stand as they are.
-    low = low if math.isinf(x) else min(x, x - 2.0 * (x - low))
-    high = high if math.isinf(x) else max(x, x + 2.0 * (high - x))
+    if math.isfinite(x):  # an infinite value is at no distance of its quantiles
+        low, high = min(x, low), max(x, high)
+        if rule.of_ratio and low > 0.0:
+            low, high = low * (low / x), high * (high / x)
+        else:
+            low, high = x - 2.0 * (x - low), x + 2.0 * (high - x)
     if bound == "≥":
         high = math.inf
     elif bound == "≤":

@@ -11,6 +11,7 @@ from roughbench.verdict.rules import Outcome, Rule, at_least, at_most, decide, n
 
 H, F, U, N = Outcome.HOLDS, Outcome.FAILS, Outcome.UNDECIDED, Outcome.NOT_TESTED
 FOLLOWS, ANOTHER = at_most(1.5, fails_above=2.0), at_least(2.0, fails_below=1.5)
+RATIO = at_least(2.0, of_ratio=True)
 
 
 def value(x: float, down: float = math.nan, up: float | None = None) -> Estimate:
@@ -56,6 +57,15 @@ def test_each_side_has_its_own_error() -> None:
     assert decide(at_least(2.0), value(10.0, 3.0, 490.0)) == H
     assert decide(at_least(2.0), value(10.0, 4.5, 490.0)) == U
     assert decide(at_most(20.0), value(10.0, 3.0, 490.0)) == U
+
+
+def test_ratios_have_their_errors_in_the_logarithm() -> None:
+    """10 within a factor 2 is 10 within a factor 4: at least 2.5."""
+    assert decide(RATIO, value(10.0, 5.0, 10.0)) == H
+    assert decide(at_least(2.0), value(10.0, 5.0, 10.0)) == U
+    assert decide(RATIO, value(10.0, 6.0, 10.0)) == U  # 4² / 10 = 1.6
+    assert decide(RATIO, value(0.9, 0.3, 0.3)) == F  # 1.2² / 0.9 = 1.6
+    assert decide(RATIO, value(0.9, 0.3, 0.5)) == U  # 1.4² / 0.9 = 2.2
 
 
 def test_a_theory_decides_without_an_error() -> None:
