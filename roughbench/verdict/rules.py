@@ -1,9 +1,10 @@
 """How a number with its error decides: the only rules that verdicts are made by.
 
 A measurement x comes with a 68 % interval from low to high. Each side is doubled, to about a
-95 % interval (for factors and ratios: in the logarithm); the claim holds if all of it lies where the claim wants it, fails if none of it
-does, and is undecided otherwise. A value without an error, of a theory or of a single
-realization, decides alone. A value that is a bound stands for all values beyond it.
+95 % interval (for factors and ratios: in the logarithm). The claim holds if all of it lies
+where the claim wants it, fails if none of it does, and is undecided otherwise. A value
+without an error, of a theory or of a single realization, decides alone. A value that is a
+bound stands for all values beyond it.
 """
 
 from __future__ import annotations
