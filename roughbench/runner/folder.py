@@ -309,6 +309,10 @@ class RunFolder:
         name = f"{key}-{first}-{content.hexdigest()[:12]}.npz"
         return Checkpoint(self._checkpoints.absolute() / name)
 
+    def unfinished(self) -> set[str]:
+        """Return the keys of all identities that the folder has checkpoints of."""
+        return {path.name.partition("-")[0] for path in _entries(self._checkpoints)}
+
     def states_in_checkpoints(self) -> int:
         """Return the number of finished states of unfinished curves."""
         return sum(Checkpoint(path).done() for path in _entries(self._checkpoints))
