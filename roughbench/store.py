@@ -26,7 +26,7 @@ from roughbench.errors import StoreError
 from roughbench.models.base import Status
 from roughbench.publish import commit
 from roughbench.results import Array, Attribute, ModelResult, Results
-from roughbench.variables import dimensions, fits
+from roughbench.variables import STORABLE, dimensions, fits
 
 __all__ = ["FORMAT_VERSION", "ModelResult", "Results", "commit", "load", "write_results"]
 
@@ -39,7 +39,6 @@ _HDF5 = b"\x89HDF\r\n\x1a\n"
 _SEAL = b"\nroughbench-sha256:"
 _SEAL_LENGTH = len(_SEAL) + 65
 
-_DTYPES = tuple(np.dtype(name) for name in ("f4", "f8", "i4", "i8"))
 _REQUIRED = ("pressure", "status")
 _RERUN = "run its spec again (roughbench run SPEC.yaml)"
 _counter = itertools.count()
@@ -211,7 +210,7 @@ def _with_scales(result: ModelResult) -> dict[str, Array]:
     scales |= {name: result[name] for name in result if dimensions(name) == (name,)}
     variables = scales | dict(result.variables)
     for name, values in variables.items():
-        if values.dtype not in _DTYPES:
+        if values.dtype not in STORABLE:
             raise StoreError(
                 f"{result.label}: {name} has type {values.dtype}; "
                 "store it as float64, float32, int64 or int32"
@@ -277,7 +276,7 @@ def _read_model(group: h5py.Group, label: str, source: Path) -> ModelResult:
                 f"{source}: {data.name} keeps its values in another file, which no "
                 f"roughbench file does; {_RERUN}"
             )
-        if data.dtype not in _DTYPES or data.nbytes > size:
+        if data.dtype not in STORABLE or data.nbytes > size:
             raise ValueError(f"{data.name} claims {data.nbytes} bytes of {data.dtype}")
         variables[name] = data[()]
     missing = [name for name in _REQUIRED if name not in variables]

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from roughbench.ensemble import STATISTICS
 from roughbench.observables import ObservableName
 
@@ -16,6 +18,9 @@ class _Meaning:
     units: str
     long_name: str
 
+
+STORABLE = tuple(np.dtype(name) for name in ("f4", "f8", "i4", "i8"))
+"""Types of arrays in results files and shards."""
 
 AVERAGED = ("area", "area_raw", "separation", "stiffness", "energy")
 """Variables that are summarized over the realizations, where a model has them."""

@@ -6,7 +6,13 @@ from pathlib import Path
 
 import click
 
-from roughbench.cli.options import debug_option, example, results_argument
+from roughbench.cli.options import (
+    debug_option,
+    example,
+    reference_option,
+    resamples_option,
+    results_argument,
+)
 
 
 @click.command(
@@ -18,18 +24,8 @@ from roughbench.cli.options import debug_option, example, results_argument
 )
 @results_argument
 @click.option("--json", "as_json", is_flag=True, help="All numbers, as strict JSON.")
-@click.option(
-    "--reference",
-    metavar="LABEL",
-    help="Model that the others are held against; default: the exact solver.",
-)
-@click.option(
-    "--resamples",
-    type=click.IntRange(min=2),
-    default=1000,
-    show_default=True,
-    help="Draws of the realizations for the errors.",
-)
+@reference_option
+@resamples_option
 @debug_option
 def command(results: Path, as_json: bool, reference: str | None, resamples: int) -> None:  # noqa: FBT001
     """Fit the laws of the paper to the curves of RESULTS.

@@ -25,6 +25,18 @@ debug_option = click.option(
 
 results_argument = click.argument("results", type=click.Path(path_type=Path))
 run_argument = click.argument("path", type=click.Path(path_type=Path), metavar="RESULTS")
+reference_option = click.option(
+    "--reference",
+    metavar="LABEL",
+    help="Model that the others are held against; default: the exact solver.",
+)
+resamples_option = click.option(
+    "--resamples",
+    type=click.IntRange(min=2),
+    default=1000,
+    show_default=True,
+    help="Draws of the realizations for the errors.",
+)
 
 
 def example(*lines: str) -> str:

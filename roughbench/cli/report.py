@@ -6,7 +6,12 @@ from pathlib import Path
 
 import click
 
-from roughbench.cli.options import debug_option, example
+from roughbench.cli.options import (
+    debug_option,
+    example,
+    reference_option,
+    resamples_option,
+)
 
 
 @click.command(
@@ -28,18 +33,8 @@ from roughbench.cli.options import debug_option, example
     metavar="FILE",
     help="The page; replaced if it exists.",
 )
-@click.option(
-    "--reference",
-    metavar="LABEL",
-    help="Model that the others are held against; default: the exact solver.",
-)
-@click.option(
-    "--resamples",
-    type=click.IntRange(min=2),
-    default=1000,
-    show_default=True,
-    help="Draws of the realizations for the errors.",
-)
+@reference_option
+@resamples_option
 @debug_option
 def command(
     results: tuple[Path, ...], output: Path, reference: str | None, resamples: int

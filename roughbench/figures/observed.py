@@ -37,7 +37,7 @@ FloatArray = NDArray[np.float64]
 MOST_PANELS = 4
 """Pressures of a single experiment; of several, two each are drawn."""
 DECADES = 1e-7
-"""Values below the highest by more than this factor are cut off."""
+"""Values below the highest by more than this factor are cut off; in reports, at first."""
 _DASHES = ((), (9, 1.5), (5, 1.5, 1, 1.5), (2, 1), (1, 1))
 _WORDS: Mapping[ObservableName, tuple[str, str]] = {
     "pressure_pdf": (r"pressure $\sigma/E\!^*\xi$", "density"),

@@ -28,7 +28,6 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -39,9 +38,9 @@ from pydantic import Field
 from roughbench.errors import SolverError, SurfaceError
 from roughbench.models._asperities import Distribution, counted_curve, integrated_curve
 from roughbench.models._checks import checked_length, checked_pressures
-from roughbench.models._grids import chosen_grid
+from roughbench.models._grids import GridOption, HeightsOrSpectrum
 from roughbench.models._summits import find_summits
-from roughbench.models.base import Curve, FloatArray, Model, Sample, Solved
+from roughbench.models.base import Curve, FloatArray, Sample, Solved
 from roughbench.spectrum import Spectrum
 
 SummitSource = Literal["nayak", "counted"]
@@ -171,37 +170,27 @@ def counted_gw_curve(heights: ArrayLike, pressures: ArrayLike, length: float) ->
     return counted_curve(summits.height, curvature, summits.nominal_area, p)
 
 
-class AsperityModel(Model):
+class AsperityModel(HeightsOrSpectrum):
     """What the models of independent summits share: where they take the summits from."""
 
     iterative: ClassVar[bool] = False
+    idle_grid: ClassVar[str] = "has no effect with summits: nayak; remove it, or choose counted"
 
     summits: SummitSource = Field(
         default="nayak",
         description="nayak: distribution of the summits of a Gaussian surface with this "
         "spectrum; counted: the maxima of the surfaces that bem is given.",
     )
-    grid: int | None = Field(
+    grid: GridOption = Field(
         default=None,
-        ge=2,
         description="Points per side of the surfaces whose summits are counted; default: "
         "as bem, 4 on the shortest wavelength.",
     )
 
     @property
-    def dimension(self) -> int:
-        """Surfaces, or the spectrum alone."""
-        return 2 if self.summits == "counted" else 0
-
-    def idle(self) -> Mapping[str, str]:
-        """Without heights, their grid."""
-        if self.summits == "counted":
-            return {}
-        return {"grid": "has no effect with summits: nayak; remove it, or choose counted"}
-
-    def grid_points(self, spectrum: Spectrum, length: float) -> int:
-        """Points per side: the option, or four per shortest wavelength."""
-        return chosen_grid(self.grid, spectrum, length)
+    def uses_heights(self) -> bool:
+        """Whether it works on the heights of surfaces."""
+        return self.summits == "counted"
 
     def curve(
         self,
@@ -213,7 +202,7 @@ class AsperityModel(Model):
     ) -> Curve:
         """Return the curve of the spectrum, or of the summits of one surface."""
         del threads, solved
-        if self.summits == "nayak":
+        if not self.uses_heights:
             if sample.spectrum is None:
                 raise SurfaceError(f"{self.kind} with summits: nayak needs a spectrum")
             return self._of_spectrum(sample.spectrum, pressures)
@@ -238,9 +227,7 @@ class GreenwoodWilliamson(AsperityModel):
     @property
     def title(self) -> str:
         """Name in legends and tables."""
-        return "Greenwood–Williamson" + (
-            ", counted summits" if self.summits == "counted" else ""
-        )
+        return "Greenwood–Williamson" + (", counted summits" if self.uses_heights else "")
 
     def _of_spectrum(self, spectrum: Spectrum, pressures: FloatArray) -> Curve:
         return gw_curve(spectrum, pressures)

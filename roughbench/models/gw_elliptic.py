@@ -171,7 +171,7 @@ class Elliptic(AsperityModel):
     @property
     def title(self) -> str:
         """Name in legends and tables."""
-        return "Elliptic asperities" + (", counted" if self.summits == "counted" else "")
+        return "Elliptic asperities" + (", counted" if self.uses_heights else "")
 
     def _of_spectrum(self, spectrum: Spectrum, pressures: FloatArray) -> Curve:
         return elliptic_curve(spectrum, pressures)

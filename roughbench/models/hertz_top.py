@@ -42,7 +42,6 @@ finite cells; R. J. Adler (1981) for N(z).
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -52,8 +51,8 @@ from pydantic import Field
 
 from roughbench.errors import SolverError, SurfaceError
 from roughbench.models._checks import checked_length, checked_pressures
-from roughbench.models._grids import chosen_grid
-from roughbench.models.base import Curve, FloatArray, Model, Sample, Solved, Status
+from roughbench.models._grids import GridOption, HeightsOrSpectrum
+from roughbench.models.base import Curve, FloatArray, Sample, Solved, Status
 from roughbench.spectrum import Spectrum, power_integral, wavenumbers
 
 REACH = 1.75
@@ -303,10 +302,13 @@ def _checked_reach(reach: float) -> float:
     return float(reach)
 
 
-class HertzTop(Model):
+class HertzTop(HeightsOrSpectrum):
     """One Hertz contact at the highest asperity."""
 
     iterative: ClassVar[bool] = False
+    idle_grid: ClassVar[str] = (
+        "has no effect with radius: spectrum; remove it, or choose heights"
+    )
 
     kind: Literal["hertz_top"] = "hertz_top"
     radius: Literal["heights", "spectrum"] = Field(
@@ -322,32 +324,21 @@ class HertzTop(Model):
         description="c: waves with q < c/r shape a contact of the radius r. A heuristic; "
         "1.5 to 2 fit exact calculations.",
     )
-    grid: int | None = Field(
+    grid: GridOption = Field(
         default=None,
-        ge=2,
         description="Points per side of the heights; default: as bem, 4 on the shortest "
         "wavelength.",
     )
 
     @property
-    def dimension(self) -> int:
-        """Surfaces, or the spectrum alone."""
-        return 2 if self.radius == "heights" else 0
+    def uses_heights(self) -> bool:
+        """Whether it works on the heights of surfaces."""
+        return self.radius == "heights"
 
     @property
     def title(self) -> str:
         """Name in legends and tables."""
-        return "Highest asperity" + (", of the spectrum" if self.radius == "spectrum" else "")
-
-    def idle(self) -> Mapping[str, str]:
-        """Without heights, their grid."""
-        if self.radius == "heights":
-            return {}
-        return {"grid": "has no effect with radius: spectrum; remove it, or choose heights"}
-
-    def grid_points(self, spectrum: Spectrum, length: float) -> int:
-        """Points per side: the option, or four per shortest wavelength."""
-        return chosen_grid(self.grid, spectrum, length)
+        return "Highest asperity" + ("" if self.uses_heights else ", of the spectrum")
 
     def curve(
         self,
@@ -359,7 +350,7 @@ class HertzTop(Model):
     ) -> Curve:
         """Return the curve of the top of one surface, or of a typical one."""
         del threads, solved
-        if self.radius == "spectrum":
+        if not self.uses_heights:
             if sample.spectrum is None:
                 raise SurfaceError("hertz_top with radius: spectrum needs a spectrum")
             asperity = asperity_of_spectrum(sample.spectrum, sample.length, self.reach)

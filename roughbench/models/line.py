@@ -31,7 +31,7 @@ from pydantic import Field
 
 from roughbench.errors import SolverError
 from roughbench.models._checks import checked_length
-from roughbench.models._grids import chosen_grid
+from roughbench.models._grids import GridOption, chosen_grid
 from roughbench.models.base import (
     Curve,
     FloatArray,
@@ -41,6 +41,7 @@ from roughbench.models.base import (
     Solved,
     TakeFields,
 )
+from roughbench.models.halfspace.options import PrecisionOption, ToleranceOption
 from roughbench.spectrum import Spectrum
 
 _PER_WAVE = 16
@@ -89,22 +90,13 @@ class Line(Model):
     has_fields: ClassVar[bool] = True
 
     kind: Literal["line"] = "line"
-    points: int | None = Field(
+    points: GridOption = Field(
         default=None,
-        ge=2,
         description="Points on the line; default: 16 on the shortest wavelength. The area "
         "is counted in points, and too large by a fifth of one at each edge of a contact.",
     )
-    tolerance: float = Field(
-        default=1e-6,
-        gt=0.0,
-        le=1e-2,
-        description="Largest Σ|p g| / (Σp h_rms) of a converged state.",
-    )
-    precision: Literal["mixed", "double"] = Field(
-        default="mixed",
-        description="Iterate in float32 and certify in float64, or float64 throughout.",
-    )
+    tolerance: ToleranceOption = 1e-6
+    precision: PrecisionOption = "mixed"
 
     def grid_points(self, spectrum: Spectrum, length: float) -> int:
         """Points on the line: the option, or sixteen per shortest wavelength."""

@@ -37,7 +37,6 @@ the bearing area; the modulus is chosen here.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -48,10 +47,10 @@ from pydantic import Field
 from roughbench.errors import SolverError, SurfaceError
 from roughbench.models._checks import checked_length, checked_pressures
 from roughbench.models._gaussian_excess import log_excess
-from roughbench.models._grids import chosen_grid
+from roughbench.models._grids import GridOption, HeightsOrSpectrum
 from roughbench.models._springs import hand_out_fields
-from roughbench.models.base import Curve, FloatArray, Model, Sample, Solved, Status
-from roughbench.spectrum import Spectrum, mode_power, wavenumbers
+from roughbench.models.base import Curve, FloatArray, Sample, Solved, Status
+from roughbench.spectrum import mode_power, wavenumbers
 
 
 @dataclass(frozen=True, slots=True)
@@ -275,10 +274,11 @@ def _checked_modulus(modulus: float) -> float:
     return float(modulus)
 
 
-class Winkler(Model):
+class Winkler(HeightsOrSpectrum):
     """Independent springs under every point of the surface, without elastic coupling."""
 
     iterative: ClassVar[bool] = False
+    idle_grid: ClassVar[str] = "has no effect with heights: gaussian; remove it"
 
     kind: Literal["winkler"] = "winkler"
     heights: Literal["realized", "gaussian"] = Field(
@@ -295,38 +295,27 @@ class Winkler(Model):
         "spectrum in the Gaussian limit), with which the springs hold the elastic energy "
         "of full contact.",
     )
-    grid: int | None = Field(
+    grid: GridOption = Field(
         default=None,
-        ge=2,
         description="Points per side of realized heights; default: as bem, 4 on the "
         "shortest wavelength.",
     )
 
     @property
-    def dimension(self) -> int:
-        """Surfaces, or the spectrum alone."""
-        return 2 if self.heights == "realized" else 0
+    def uses_heights(self) -> bool:
+        """Whether it works on the heights of surfaces."""
+        return self.heights == "realized"
 
     @property
     def has_fields(self) -> bool:
         """Of realized heights."""
-        return self.heights == "realized"
+        return self.uses_heights
 
     @property
     def title(self) -> str:
         """Name in legends and tables."""
-        limit = "" if self.heights == "realized" else ", Gaussian limit"
+        limit = "" if self.uses_heights else ", Gaussian limit"
         return f"Winkler (2D springs{limit})"
-
-    def idle(self) -> Mapping[str, str]:
-        """Without heights, their grid."""
-        if self.heights == "realized":
-            return {}
-        return {"grid": "has no effect with heights: gaussian; remove it"}
-
-    def grid_points(self, spectrum: Spectrum, length: float) -> int:
-        """Points per side: the option, or four per shortest wavelength."""
-        return chosen_grid(self.grid, spectrum, length)
 
     def curve(
         self,
@@ -338,7 +327,7 @@ class Winkler(Model):
     ) -> Curve:
         """Return the exact curve of one surface, or that of the Gaussian limit."""
         del threads
-        if self.heights == "gaussian":
+        if not self.uses_heights:
             if sample.spectrum is None:
                 raise SurfaceError("the Gaussian limit needs the spectrum of the heights")
             modulus = self.modulus or matched_modulus(sample)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from roughbench.figures.observed import DECADES
 from roughbench.report.charts import (
     Chart,
     Line,
@@ -30,8 +31,6 @@ MOST_PRESSURES = 8
 MOST_MAPS = 12
 MOST_POINTS = 256
 """Points of a map per side; finer fields are averaged over squares."""
-DECADES = 1e-7
-"""Values below the highest by more than this factor are cut off at first."""
 _THEORY = Look("#777777", "circle")
 _WHITE_TO_DARK = [[0.0, "#ffffff"], [0.004, "#dce9c8"], [0.35, "#56b48a"], [1.0, "#1d2a5e"]]
 

@@ -41,7 +41,7 @@ from roughbench.runner.compute import Block
 from roughbench.runner.identity import Identity, key_of
 from roughbench.runner.plan import Task
 from roughbench.runner.usage import Usage, now
-from roughbench.variables import fits
+from roughbench.variables import STORABLE, fits
 
 SUFFIX = ".rbrun"
 FORMAT = "roughbench shard 1"
@@ -49,7 +49,6 @@ FORMAT = "roughbench shard 1"
 _NAME = re.compile(r"(\d+)-(\d+)\.([0-9a-f]{16})\.npz", re.ASCII)
 _META = "roughbench"
 _TRIES, _PAUSE = 6, 0.1
-_DTYPES = tuple(np.dtype(name) for name in ("f4", "f8", "i4", "i8"))
 
 
 class ShardError(StoreError):
@@ -309,6 +308,10 @@ class RunFolder:
         name = f"{key}-{first}-{content.hexdigest()[:12]}.npz"
         return Checkpoint(self._checkpoints.absolute() / name)
 
+    def unfinished(self) -> set[str]:
+        """Return the keys of all identities that the folder has checkpoints of."""
+        return {path.name.partition("-")[0] for path in _entries(self._checkpoints)}
+
     def states_in_checkpoints(self) -> int:
         """Return the number of finished states of unfinished curves."""
         return sum(Checkpoint(path).done() for path in _entries(self._checkpoints))
@@ -366,7 +369,7 @@ def _read(path: Path) -> Shard:
     lengths = {"realization": int(name[2]) - int(name[1]) + 1, "pressure": len(pressures)}
     for key, values in arrays.items():
         suits, wanted = fits(key, values.shape, lengths)
-        if not suits or values.dtype not in _DTYPES:
+        if not suits or values.dtype not in STORABLE:
             raise ValueError(f"{key} has the shape {values.shape}, not {wanted}")
     if "status" not in arrays:
         raise ValueError("has no status")

@@ -199,7 +199,14 @@ def _stocks(folder: RunFolder, request: dict[str, Any]) -> tuple[Sharing, list[S
     cells = plan(spec)
     check(cells)
     limits = sharing(jobs=None)
-    return limits, survey(cells, limits, folder)
+    return limits, survey(cells, limits, folder, threads=_threads(request))
+
+
+def _threads(request: dict[str, Any]) -> dict[str, int]:
+    """Return the threads that the last run gave each cell, which a guess need not meet."""
+    found = request.get("threads")
+    known = found.items() if isinstance(found, dict) else ()
+    return {name: n for name, n in known if isinstance(n, int)}
 
 
 def _requested(folder: RunFolder, request: dict[str, Any]) -> Spec:

@@ -76,11 +76,12 @@ class Sharing:
         """Into how many tasks at least to cut long work, so that every core gets some."""
         return 2 * (self.jobs or self.cores)
 
-    def other_threads(self, cell: Cell) -> list[int]:
-        """Return the numbers of threads that would do as well: none if one was given."""
+    def choices(self, cell: Cell) -> list[int]:
+        """Return :meth:`threads`, then the numbers that would do as well if none was given."""
+        wanted = self.threads(cell)
         if self.given_threads is not None or not cell.model.iterative:
-            return []
-        return [n for n in range(1, self.cores + 1) if n != self.threads(cell)]
+            return [wanted]
+        return [wanted, *(n for n in range(1, self.cores + 1) if n != wanted)]
 
     def processes(self, tasks: Sequence[Task]) -> int:
         """Return how many processes to compute tasks in; 1 is this one."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -71,7 +71,12 @@ class Stock:
 
 
 def survey(
-    cells: Sequence[Cell], sharing: Sharing, folder: RunFolder | None, *, force: bool = False
+    cells: Sequence[Cell],
+    sharing: Sharing,
+    folder: RunFolder | None,
+    *,
+    force: bool = False,
+    threads: Mapping[str, int] | None = None,
 ) -> list[Stock]:
     """Return what there is of each cell.
 
@@ -84,13 +89,18 @@ def survey(
         Where shards may be; None for nowhere. It is only read.
     force : bool
         Take no shard for a result.
+    threads : mapping of str to int, optional
+        Threads of the tasks of each cell, by its name; default: those that its shards or
+        checkpoints were computed with, or as ``sharing`` says.
 
     Returns
     -------
     list of Stock
     """
     keys = folder.computations() if folder is not None else []
-    stocks = [_stock(cell, sharing, keys) for cell in cells]
+    kept = (keys, folder.unfinished()) if folder is not None else ()
+    given = threads or {}
+    stocks = [_stock(cell, sharing, kept, given.get(str(cell))) for cell in cells]
     if folder is None:
         return stocks
     in_use = {stock.key for stock in stocks}
@@ -105,12 +115,14 @@ def survey(
     return stocks
 
 
-def _stock(cell: Cell, sharing: Sharing, keys: Sequence[str]) -> Stock:
-    """Resume with the threads that the shards were computed with, unless told otherwise."""
-    wanted = sharing.threads(cell)
-    choices = [wanted, *sharing.other_threads(cell)]
+def _stock(
+    cell: Cell, sharing: Sharing, kept: Sequence[Collection[str]], given: int | None
+) -> Stock:
+    """Resume with the threads that something was kept with, unless told otherwise."""
+    choices = sharing.choices(cell) if given is None else [given]
     found = [(n, identity(cell, n)) for n in choices]
-    threads, its_identity = next((pair for pair in found if key_of(pair[1]) in keys), found[0])
+    there = (pair for keys in kept for pair in found if key_of(pair[1]) in keys)
+    threads, its_identity = next(there, found[0])
     return Stock(cell, threads, its_identity, key_of(its_identity), Collected(cell))
 
 

@@ -339,12 +339,13 @@ def _ratio(a: Estimate, b: Estimate) -> Estimate:
 
 _ALONE = "any spec with bem, at pressures from 1e-6 to 0.1"
 _WITH = "a spec with bem and {}"
+_ALL = "A/A₀, ū/h_rms and K h_rms"
 _FOLLOWS = f"at most {FOLLOWS:g} (fails from {ANOTHER:g} on)"
 _ANOTHER = f"at least {ANOTHER:g} (fails up to {FOLLOWS:g})"
 
 
 def _within(quantity: str, wanted: str) -> str:
-    law = "A ∼ p" if quantity == "A/A₀" else "K ∼ p"
+    law = {"A/A₀": "A ∼ p", _ALL: "A ∼ p or K ∼ p"}.get(quantity, "K ∼ p")
     return (
         f"largest factor between the model's {quantity} and the exact one, where the exact "
         f"solution has {law}: {wanted}"
@@ -517,8 +518,7 @@ CLAIMS = (
         "abstract, conclusions",
         "The foundation fails because it neglects the long-range elastic coupling: springs "
         "without coupling fail on the surface itself as well.",
-        "winkler (independent springs under the surface): "
-        + _within("A/A₀, ū/h_rms and K h_rms", _ANOTHER).replace("K ∼ p", "A ∼ p or K ∼ p"),
+        "winkler (independent springs under the surface): " + _within(_ALL, _ANOTHER),
         _WITH.format("winkler"),
         _factor(_TO_DIFFER, tuple(_QUANTITIES), "winkler"),
     ),
@@ -527,8 +527,7 @@ CLAIMS = (
         "conclusions",
         "The reduced dimension is not the problem: a line with elastic coupling follows the "
         "surface.",
-        "line (the exact solution of a line): "
-        + _within("A/A₀, ū/h_rms and K h_rms", _FOLLOWS).replace("K ∼ p", "A ∼ p or K ∼ p"),
+        "line (the exact solution of a line): " + _within(_ALL, _FOLLOWS),
         _WITH.format("line"),
         _factor(_TO_FOLLOW, tuple(_QUANTITIES), "line"),
     ),

@@ -11,8 +11,9 @@ import pytest
 from click.testing import Result
 
 import roughbench as rb
+from roughbench.cli.fit import command
 from roughbench.cli.fit_tables import to_json
-from roughbench.fits import fit
+from roughbench.fits import RESAMPLES, fit
 
 Invoke = Callable[..., Result]
 
@@ -104,3 +105,8 @@ def test_an_unknown_reference_is_refused(fits: Path, invoke: Invoke) -> None:
         "error: no model is named 'bem'; choose one of foundation, winkler, persson\n"
     )
     assert invoke("fit", fits, "--resamples", 1).exit_code == 2
+
+
+def test_as_many_resamples_as_from_python() -> None:
+    (option,) = (option for option in command.params if option.name == "resamples")
+    assert option.default == RESAMPLES

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from pathlib import Path
 from typing import Any
@@ -13,13 +14,20 @@ import roughbench as rb
 from roughbench import runner
 from roughbench.errors import IncompleteError
 from roughbench.runner import checkpoint as checkpoints
-from roughbench.runner import driver
+from roughbench.runner import driver, inspection
 from roughbench.runner.journal import log_task
 from roughbench.runner.plan import Cell
 from roughbench.spec import load_spec
 from tests.runner.fakes import Fake, Misdeed, Steps
 
 Tree = dict[str, Any]
+
+SMOOTH: Tree = {
+    "surface": {"H": 0.7, "q0": 1.0, "q1": 8.0, "slope": 0.1},
+    "pressures": [0.01],
+    "models": [{"kind": "bem", "grid": 32}],
+}
+"""A surface for the exact solver that takes no time."""
 
 
 @pytest.fixture
@@ -96,9 +104,8 @@ def test_more_realizations_keep_what_is_there(
 
 
 def test_more_pressures_keep_iterated_states(output: Path, computed: list[str]) -> None:
-    surface = {"H": 0.7, "q0": 1.0, "q1": 8.0, "slope": 0.1}
-    models = [{"kind": "bem", "grid": 32}, {"kind": "persson"}]
-    tree = {"surface": surface, "pressures": [0.001, 0.03], "models": models}
+    models = [*SMOOTH["models"], {"kind": "persson"}]
+    tree = SMOOTH | {"pressures": [0.001, 0.03], "models": models}
     rb.run(tree, output=output)
     before = rb.load(output)["main"]
     more = tree | {"pressures": [0.001, 0.01, 0.03, 0.1]}
@@ -221,15 +228,13 @@ def test_a_damaged_shard_is_named_set_aside_and_computed_again(
 def test_a_resumed_run_has_the_threads_of_its_shards(
     output: Path, monkeypatch: pytest.MonkeyPatch, computed: list[str]
 ) -> None:
-    surface = {"H": 0.7, "q0": 1.0, "q1": 8.0, "slope": 0.1}
-    tree = {"surface": surface, "pressures": [0.01], "models": [{"kind": "bem", "grid": 32}]}
     monkeypatch.setattr("roughbench.runner.resources.available_cores", lambda: 4)
-    rb.run(tree, output=output, jobs=2)  # two threads each
+    rb.run(SMOOTH, output=output, jobs=2)  # two threads each
     del computed[:]
     for options in ({"jobs": 1}, {"jobs": 4}, {"jobs": None}, {"threads": 2}):
-        rb.run(tree, output=output, **options)
+        rb.run(SMOOTH, output=output, **options)
     assert computed == []
-    assert reasons(tree, output, threads=3) == {"main/bem:1-1": "changed: threads: 2 → 3"}
+    assert reasons(SMOOTH, output, threads=3) == {"main/bem:1-1": "changed: threads: 2 → 3"}
 
 
 # -- tasks that fail or are killed ---------------------------------------------------------
@@ -309,6 +314,51 @@ def test_a_killed_curve_goes_on_from_its_last_pressure(
     rb.run(small_spec, output=output.with_name("fresh.h5"))
     assert output.read_bytes() == output.with_name("fresh.h5").read_bytes()
     assert not kept[0].exists()
+
+
+@pytest.mark.parametrize("options", [{"jobs": 2}, {"threads": 7}])
+def test_a_killed_curve_is_seen_whatever_its_threads(
+    small_spec: Tree, output: Path, monkeypatch: pytest.MonkeyPatch, options: dict[str, Any]
+) -> None:
+    """No shard tells the threads yet: the last request does, and the checkpoint itself."""
+    monkeypatch.setattr(checkpoints, "SECONDS_BETWEEN", 0.0)
+    monkeypatch.setattr(checkpoints, "COST", 1e9)
+    monkeypatch.setattr("roughbench.runner.resources.available_cores", lambda: 4)
+    monkeypatch.setattr(
+        "roughbench.runner.survey.identity",
+        lambda _, threads: {"model.kind": "steps", "threads": threads},
+    )
+    for place in (driver, inspection):
+        monkeypatch.setattr(place, "plan", lambda _: [steps(small_spec, 7)])
+    with pytest.raises(rb.SolverError, match="killed"):
+        rb.run(small_spec, output=output, **options)
+    assert [part.reason for part in runner.status(output).parts] == ["7 of 10 pressures done"]
+    seen = {"main/steps:1-1": "7 of 10 pressures done"}
+    assert reasons(small_spec, output, **options) == seen
+    assert reasons(small_spec, output, threads=3) == {"main/steps:1-1": "new"}
+    if "jobs" in options:  # other threads would do as well, and those of before are taken
+        assert reasons(small_spec, output, jobs=1) == seen
+        monkeypatch.setattr(driver, "plan", lambda _: [steps(small_spec, 10)])
+        news: list[runner.Progress] = []
+        rb.run(small_spec, output=output, jobs=1, progress=news.append)
+        assert [n.done for n in news] == [0, 8, 9, 10]
+
+
+@pytest.mark.parametrize("threads", [None, 3, {"main/bem": "two"}])
+def test_status_does_without_the_threads_of_the_request(output: Path, threads: Any) -> None:
+    rb.run(SMOOTH, output=output, jobs=None)
+    path = output.with_name("r.h5.rbrun") / "run.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"threads": threads}))
+    assert runner.status(output).state == "complete"
+
+
+def test_clean_keeps_shards_of_more_threads_than_cores(
+    output: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("roughbench.runner.resources.available_cores", lambda: 2)
+    rb.run(SMOOTH, output=output, threads=3)
+    assert runner.clean(output, unused=True) == 0
+    assert runner.status(output).state == "complete"
 
 
 def test_a_checkpoint_is_worth_its_cost(tmp_path: Path) -> None:

@@ -2,7 +2,8 @@
 
 ``contact`` holds the public functions, ``solver`` the outer loop and the certificate,
 ``relaxation`` the inner one, ``preconditioner`` its second level, ``operator`` the
-elasticity, ``loops`` and :mod:`roughbench.transform` the array work.
+elasticity, ``loops`` and :mod:`roughbench.transform` the array work; ``options`` those that
+it shares with :mod:`roughbench.models.line`.
 """
 
 from __future__ import annotations
@@ -14,12 +15,12 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from roughbench.errors import SolverError
-from roughbench.models._grids import chosen_grid
-from roughbench.models.base import Curve, FloatArray, Model, Sample, Solved
-from roughbench.spectrum import Spectrum
+from roughbench.models._grids import GridModel, GridOption
+from roughbench.models.base import Curve, FloatArray, Sample, Solved
+from roughbench.models.halfspace.options import PrecisionOption, ToleranceOption
 
 
-class HalfSpace(Model):
+class HalfSpace(GridModel):
     """Exact boundary-element solution on a periodic grid."""
 
     dimension: ClassVar[int] = 2
@@ -27,28 +28,15 @@ class HalfSpace(Model):
     has_fields: ClassVar[bool] = True
 
     kind: Literal["bem"] = "bem"
-    grid: int | None = Field(
+    grid: GridOption = Field(
         default=None,
-        ge=2,
         description=(
             "Points per side; default: 4 on the shortest wavelength, 4 q1 length / 2π. "
             "At least 2 are needed. Heights from a file bring their own grid."
         ),
     )
-    tolerance: float = Field(
-        default=1e-6,
-        gt=0.0,
-        le=1e-2,
-        description="Largest Σ|p g| / (Σp h_rms) of a converged state.",
-    )
-    precision: Literal["mixed", "double"] = Field(
-        default="mixed",
-        description="Iterate in float32 and certify in float64, or float64 throughout.",
-    )
-
-    def grid_points(self, spectrum: Spectrum, length: float) -> int:
-        """Points per side: the option, or four per shortest wavelength."""
-        return chosen_grid(self.grid, spectrum, length)
+    tolerance: ToleranceOption = 1e-6
+    precision: PrecisionOption = "mixed"
 
     def curve(
         self,

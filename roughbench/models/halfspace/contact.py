@@ -6,7 +6,7 @@ import functools
 import math
 import os
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from roughbench.errors import SolverError
 from roughbench.models.base import Curve, Fields, FloatArray, Solved, Status
 from roughbench.models.halfspace import memory
+from roughbench.models.halfspace.options import Precision
 from roughbench.models.halfspace.solver import (
     FLOAT32_FLOOR,
     Certificate,
@@ -21,8 +22,6 @@ from roughbench.models.halfspace.solver import (
     Solver,
 )
 from roughbench.models.halfspace.working_set import WorkingSet
-
-Precision = Literal["mixed", "double"]
 
 SMALLEST_LOAD = 1e-20
 """In E* h_rms/Δ. A single point of a grid carries its share of less; float32 does not."""

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
 from roughbench.models.halfspace.contact import solve_contact
+from roughbench.models.halfspace.options import Precision
 
 if TYPE_CHECKING:
     from tests.models.halfspace.conftest import Reference, Rough
 
-Precision = Literal["mixed", "double"]
 SHAPES = [(64,), (63,), (12, 12), (11, 13), (7, 20), (20, 7)]
 
 

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from roughbench.models.halfspace import loops, solver
-from roughbench.models.halfspace.contact import Precision, solve_contact, solve_curve
+from roughbench.models.halfspace.contact import solve_contact, solve_curve
 from roughbench.models.halfspace.direct import DirectOperator
 from roughbench.models.halfspace.operator import HalfSpaceOperator
+from roughbench.models.halfspace.options import Precision
 from roughbench.models.halfspace.working_set import WorkingSet, tile_grid
 
 if TYPE_CHECKING:

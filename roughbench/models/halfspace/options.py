@@ -1,0 +1,18 @@
+"""The options that the exact solver has on a surface and on a line."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+Precision = Literal["mixed", "double"]
+
+ToleranceOption = Annotated[
+    float,
+    Field(gt=0.0, le=1e-2, description="Largest Σ|p g| / (Σp h_rms) of a converged state."),
+]
+PrecisionOption = Annotated[
+    Precision,
+    Field(description="Iterate in float32 and certify in float64, or float64 throughout."),
+]
