@@ -40,12 +40,22 @@ from roughbench.fits.resampling import (
     Estimate,
     draw_counts,
     estimate,
+    harmonic_means,
     resampled_means,
 )
 from roughbench.fits.tables import PERCENTS, QUANTITIES
 from roughbench.results import ModelResult, Results
 
-__all__ = ["PERCENTS", "QUANTITIES", "RESAMPLES", "Estimate", "factors", "fit", "reference_of"]
+__all__ = [
+    "PERCENTS",
+    "QUANTITIES",
+    "RESAMPLES",
+    "Estimate",
+    "factors",
+    "fit",
+    "n_random",
+    "reference_of",
+]
 
 Fits = dict[str, dict[str, dict[str, Estimate]]]
 """Experiment → label → name → estimate."""
@@ -111,9 +121,10 @@ def fit(
         stiffness, 10 % and 50 %: the ends of the widest range of pressure in which it
         differs from the reference by less; for the area up to A/A0 = 0.9 of the
         reference. And ``area_factor``, ``separation_factor``, ``stiffness_factor``: the
-        largest factor between the two, lengths in units of the realized rms heights,
-        within the range in which the reference has A ∼ p (for the area) or K ∼ p. They
-        are missing where there is no reference, or the pressures differ.
+        factor between the two (e to the rms of ln of the ratio; of K the harmonic means),
+        lengths in units of the realized rms heights, over the range in which the reference
+        has A ∼ p (for the area) or K ∼ p. They are missing where there is no reference, or
+        the pressures differ.
 
     Raises
     ------
@@ -140,12 +151,14 @@ def _fit_model(
     pressure = np.asarray(result["pressure"], float)
     means, realized_height = _resampled(result, resamples, seed)
     laws = fit_laws(pressure, means, dict(result.attributes), realized_height[:, 0])
-    found = {name: estimate(*values) for name, values in laws.items()}
+    count = n_random(result)
+    found = {name: estimate(*values, count=count) for name, values in laws.items()}
     if reference is None or reference is result:
         return found
     if not np.array_equal(reference["pressure"], pressure):
         return found
     held_against, _ = _resampled(reference, resamples, seed)
+    count = n_random(result, reference)
     for name in QUANTITIES:
         ours, theirs = _paired(means[name], held_against[name])
         open_ = np.ones(pressure.shape, bool)
@@ -155,15 +168,28 @@ def _fit_model(
             lower, upper = fit_departures(
                 pressure[open_], ours[:, open_], theirs[:, open_], percent / 100.0
             )
-            found[f"{name}_agrees_from_{percent}"] = estimate(*lower)
-            found[f"{name}_agrees_to_{percent}"] = estimate(*upper)
+            found[f"{name}_agrees_from_{percent}"] = estimate(*lower, count=count)
+            found[f"{name}_agrees_to_{percent}"] = estimate(*upper, count=count)
     return found | factors(result, reference, resamples, seed)
+
+
+def n_random(*results: ModelResult) -> int:
+    """Return the number of realizations of the scarcest random ensemble; 0 for none.
+
+    Theories and heights from a file have nothing random in them.
+    """
+    numbers = [
+        result.n_realizations
+        for result in results
+        if "grid_points" in result.attributes and result.attributes.get("surface") != "file"
+    ]
+    return min(numbers, default=0)
 
 
 def factors(
     result: ModelResult, reference: ModelResult, resamples: int = RESAMPLES, seed: int = 0
 ) -> dict[str, Estimate]:
-    """Return by how much two curves differ at most where the reference is proportional to p.
+    """Return by which factor two curves differ where the reference is proportional to p.
 
     Parameters
     ----------
@@ -176,9 +202,10 @@ def factors(
     -------
     dict of str to Estimate
         ``area_factor``, ``separation_factor`` and ``stiffness_factor``, each at least 1:
-        the largest factor, up or down, at the pressures of the range in which the
-        reference has A ∼ p (for the area) or K ∼ p. Lengths are in units of the rms height
-        of each one's realized surfaces.
+        e to the rms of ln of their ratio, at the pressures of the range in which the
+        reference has A ∼ p (for the area) or K ∼ p. Of the stiffness the harmonic means are
+        compared: a single closed line makes the mean of K infinite. Lengths are in units of
+        the rms height of each one's realized surfaces.
     """
     pressure = np.asarray(reference["pressure"], float)
     ours, our_height = _resampled(result, resamples, seed)
@@ -187,12 +214,15 @@ def factors(
         "area": proportional(pressure, theirs["area"], AREA_TOLERANCE),
         "stiffness": proportional(pressure, theirs["stiffness"], STIFFNESS_TOLERANCE),
     }
-    found = {}
+    found, count = {}, n_random(result, reference)
     for name, power in POWERS_OF_LENGTH.items():
-        a, b = _paired(ours[name] / our_height**power, theirs[name] / their_height**power)
+        mean = "stiffness_harmonic" if name == "stiffness" else name
+        a, b = _paired(ours[mean] / our_height**power, theirs[mean] / their_height**power)
         ends = linear["area" if name == "area" else "stiffness"]
         start, end = (np.broadcast_to(x, len(b)) for x in ends)
-        found[f"{name}_factor"] = estimate(fit_factor(pressure, a, b, (start, end)))
+        found[f"{name}_factor"] = estimate(
+            fit_factor(pressure, a, b, (start, end)), count=count
+        )
     return found
 
 
@@ -202,6 +232,7 @@ def _resampled(
     """Return the mean curves over the resamples, and the realized rms height, (B, 1)."""
     counts = draw_counts(result.n_realizations, resamples, seed)
     means = {name: resampled_means(result, name, counts) for name in QUANTITIES}
+    means["stiffness_harmonic"] = harmonic_means(result, "stiffness", counts)
     heights = np.asarray(result["rms_height"], float)
     return means, (counts @ heights / heights.size)[:, None]
 

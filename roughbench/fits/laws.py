@@ -12,7 +12,10 @@ name                        criterion
 ``u0``, ``alpha``,          ū = u0 ln(p0/p), least squares in ln p over the pressures
 ``beta``,                   of that region; α = u0/h_rms, β = p0/E*; with the rms height
 ``alpha_realized``          of the spectrum and of the realized heights
-``u0_from_stiffness``       geometric mean of p/K over the region K ∼ p: u0 by eq. (3)
+``u0_from_stiffness``       geometric mean of p⟨1/K⟩ over the region K ∼ p: u0 by eq. (3)
+``plateau_decades``         width in decades of the widest range on which the slope
+                            d ln K/d ln p, over two steps of pressure, stays within
+                            1 ± 0.15
 ``exponent``,               n of K ∼ p^n, least squares in ln p over the finite-size
 ``exponent_expected``       region, and 1/(1 + H): the pressures below the region K ∼ p
                             at which K is at least 4 times as large as p would have it,
@@ -43,6 +46,7 @@ Fitted = dict[str, tuple[FloatArray, NDArray[np.bool_] | None]]
 
 AREA_TOLERANCE = 0.1
 STIFFNESS_TOLERANCE = 0.2
+SLOPE_TOLERANCE = 0.15
 FINITE_SIZE_EXCESS = 4.0
 """Where two laws meet the slope is between theirs: 0.03 above the lower one from here on, if
 their squares add up, and 0.1 at an excess of 2."""
@@ -65,7 +69,8 @@ def fit_laws(
     pressure : ndarray of float64, shape (P,)
         p/E*, ascending.
     means : dict of str to ndarray of float64, shape (B, P)
-        ``area``, ``separation`` (length) and ``stiffness`` (1/length).
+        ``area``, ``separation`` (length), ``stiffness`` and its harmonic mean
+        ``stiffness_harmonic`` (1/length).
     attributes : dict
         Of the model's results: ``rms_height``, ``rms_slope``, ``length``; ``hurst``,
         ``q_rolloff`` and ``q_max`` where they are known.
@@ -99,7 +104,9 @@ def fit_laws(
     fitted["log_decades"] = ((end - start) / math.log(10.0), at_start | at_end)
     fall, at_zero = straight_line(x, means["separation"], region)
     fitted["u0"] = (-fall, None)
-    fitted["u0_from_stiffness"] = (np.exp(-_mean(rate, region)), None)
+    compliance = _log(pressure / means["stiffness_harmonic"])
+    fitted["u0_from_stiffness"] = (np.exp(_mean(compliance, region)), None)
+    fitted["plateau_decades"] = _plateau(x, rate)
     fitted["alpha"] = (-fall / height, None)
     fitted["alpha_realized"] = (-fall / realized_height, None)
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
@@ -156,7 +163,7 @@ def fit_factor(
     reference: FloatArray,
     region: tuple[FloatArray, FloatArray],
 ) -> FloatArray:
-    """Return the largest factor, up or down, between two curves at the pressures of a region.
+    """Return the factor, up or down, between two curves: e to the rms of ln of their ratio.
 
     Parameters
     ----------
@@ -164,7 +171,7 @@ def fit_factor(
     values, reference : ndarray of float64, shape (B, P)
         Non-negative; inf where one is zero or infinite and the other is not.
     region : (ndarray of float64, ndarray of float64), shape (B,)
-        Ends in ln p.
+        Ends in ln p. The mean is over the pressures between them.
 
     Returns
     -------
@@ -176,8 +183,11 @@ def fit_factor(
     with np.errstate(divide="ignore", invalid="ignore"):
         distance = np.abs(np.log(values) - np.log(reference))
     distance = np.where(values == reference, 0.0, distance)
-    largest = np.where(inside, distance, -math.inf).max(axis=1)
-    return np.asarray(np.exp(np.where(inside.any(axis=1), largest, math.nan)))
+    number = inside.sum(axis=1)
+    total = np.where(inside, distance, 0.0)
+    with np.errstate(invalid="ignore"):
+        square = (total * total).sum(axis=1) / np.where(number > 0, number, math.nan)
+    return np.asarray(np.exp(np.sqrt(square)))
 
 
 def fit_departures(
@@ -223,6 +233,8 @@ def _reaches(
     x: FloatArray, start: FloatArray, end: FloatArray
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Return which ranges reach the first and the last pressure, rounding forgiven."""
+    if not x.size:
+        return np.zeros(start.shape, np.bool_), np.zeros(end.shape, np.bool_)
     with np.errstate(invalid="ignore"):
         return start <= x[0] + _SLACK, end >= x[-1] - _SLACK
 
@@ -243,8 +255,25 @@ def _steepest(x: FloatArray, y: FloatArray, start: FloatArray) -> FloatArray:
     slopes = np.diff(y, axis=1) / np.diff(x)
     with np.errstate(invalid="ignore"):
         known = np.isfinite(slopes) & (x[1:] > start[:, None] + _SLACK)
-    largest = np.where(known, slopes, -math.inf).max(axis=1)
+    largest = np.where(known, slopes, -math.inf).max(axis=1, initial=-math.inf)
     return np.asarray(np.where(known.any(axis=1), largest, math.nan))
+
+
+def _plateau(x: FloatArray, rate: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Return the decades on which the slope of ln K is about 1, and whether they go on.
+
+    The slope over two steps stands at the pressure between them.
+    """
+    count = len(rate)
+    if x.size < FEWEST + 1:
+        return np.full(count, math.nan), np.zeros(count, np.bool_)
+    slopes = (rate[:, 2:] - rate[:, :-2]) / (x[2:] - x[:-2])
+    band = np.full(count, SLOPE_TOLERANCE)
+    start, end = widest_between(x[1:-1], slopes, -band, band)
+    known = np.isfinite(slopes).any(axis=1)
+    width = np.where(np.isnan(end - start), 0.0, end - start) / math.log(10.0)
+    at_start, at_end = _reaches(x[1:-1], start, end)
+    return np.where(known, width, math.nan), at_start | at_end
 
 
 def _log(values: FloatArray) -> FloatArray:

@@ -31,6 +31,9 @@ class Estimate:
     is_bound : bool
         The range goes on to the first or last pressure of the results: a pressure is
         then a bound only.
+    count : int
+        Realizations behind the error: those of the scarcer of two ensembles; 0 if nothing
+        is random.
     """
 
     value: float
@@ -39,6 +42,7 @@ class Estimate:
     high: float
     share: float
     is_bound: bool = False
+    count: int = 0
 
 
 def draw_counts(n_realizations: int, resamples: int, seed: int) -> FloatArray:
@@ -93,14 +97,44 @@ def resampled_means(result: ModelResult, name: str, counts: FloatArray) -> Float
     return np.where(lost, math.nan, np.where(infinite, math.inf, mean))
 
 
-def estimate(values: FloatArray, bounds: NDArray[np.bool_] | None = None) -> Estimate:
+def harmonic_means(result: ModelResult, name: str, counts: FloatArray) -> FloatArray:
+    """Return 1/⟨1/x⟩ over the converged realizations, for each resample.
+
+    Parameters
+    ----------
+    result : ModelResult
+    name : str
+        A positive variable over (realization, pressure), which may be infinite.
+    counts : ndarray of float64, shape (B, R)
+
+    Returns
+    -------
+    ndarray of float64, shape (B, P)
+        inf where all values are; nan where no realization of a resample converged.
+    """
+    values = np.asarray(result[name], float)
+    held = np.asarray(result["status"]) == 0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        number = counts @ held
+        total = counts @ np.where(held, 1.0 / values, 0.0)
+        return np.asarray(np.where(number > 0.0, number, math.nan) / total)
+
+
+def estimate(
+    values: FloatArray, bounds: NDArray[np.bool_] | None = None, *, count: int = 0
+) -> Estimate:
     """Return the estimate from its values over the resamples, the first from all.
+
+    A bootstrap knows nothing of the scatter of its own estimate of the scatter: both sides
+    of the interval are widened as Student's t and n/(n − 1) ask for.
 
     Parameters
     ----------
     values : ndarray of float64, shape (B,)
     bounds : ndarray of bool, shape (B,), optional
         Whether the value is a bound.
+    count : int
+        Number n of realizations that were drawn from; 0 widens nothing.
 
     Returns
     -------
@@ -112,12 +146,29 @@ def estimate(values: FloatArray, bounds: NDArray[np.bool_] | None = None) -> Est
     found = drawn[~np.isnan(drawn)]
     share = found.size / drawn.size if drawn.size else float(not math.isnan(value))
     if found.size < 2 or share < 0.5 or math.isnan(value):
-        return Estimate(value, math.nan, math.nan, math.nan, share, is_bound)
+        return Estimate(value, math.nan, math.nan, math.nan, share, is_bound, count)
     if np.isfinite(found).all():
         low, high = np.quantile(found, [0.16, 0.84])
     else:  # nothing lies between a number and infinity
         low = np.quantile(found, 0.16, method="lower")
         high = np.quantile(found, 0.84, method="higher")
+    if math.isfinite(value):
+        wider = _widening(count)
+        low, high = value - wider * (value - low), value + wider * (high - value)
     finite = math.isfinite(value) and math.isfinite(high)
     error = float(high - low) / 2.0 if finite else math.nan
-    return Estimate(value, error, float(low), float(high), share, is_bound)
+    return Estimate(value, error, float(low), float(high), share, is_bound, count)
+
+
+def _widening(count: int) -> float:
+    """Return by how much the interval of so few realizations must be wider."""
+    if count < 2:
+        return 1.0
+    return math.sqrt(count / (count - 1)) * student(0.84, count) / student(0.84, 10**9)
+
+
+def student(probability: float, count: int) -> float:
+    """Return the quantile of Student's t for the mean of ``count`` values."""
+    from scipy.special import stdtrit
+
+    return float(stdtrit(count - 1, probability))

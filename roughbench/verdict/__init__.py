@@ -19,7 +19,7 @@
 ('eq. (9)', 'The real contact area is proportional to the pressure, A')
 >>> found.measurements[0].what, str(found.outcome)
 ('decades of A ∼ p', 'holds')
->>> str(verdicts["coupling"].outcome), verdicts["coupling"].remedy
+>>> str(verdicts["coupling-area"].outcome), verdicts["coupling-area"].remedy
 ('not tested', 'a spec with bem and winkler')
 """
 
@@ -54,7 +54,7 @@ class Verdict:
     outcome : Outcome
         Over all measurements: fails if one fails, holds if all that were taken hold.
     remedy : str
-        What spec would test it; empty if something was measured.
+        What spec would test it, or what of it is missing; empty where it is decided.
     """
 
     key: str
@@ -101,7 +101,9 @@ def judge(
     for claim in CLAIMS:
         found = tuple(claim.measure(cases, resamples))
         outcome = claim.outcome(found)
-        remedy = claim.remedy if outcome == Outcome.NOT_TESTED else ""
+        missing = any(one.outcome == Outcome.NOT_TESTED for one in found) or not found
+        decided = outcome in (Outcome.HOLDS, Outcome.FAILS)
+        remedy = claim.remedy if missing and not decided else ""
         verdicts.append(
             Verdict(claim.key, claim.place, claim.claim, claim.rule, found, outcome, remedy)
         )

@@ -13,6 +13,7 @@ Source = tuple[str, Results]
 """A name, such as that of the file, and its results."""
 
 _SPECTRUM = ("hurst", "q_min", "q_rolloff", "q_max", "below_rolloff", "rms_slope", "length")
+_SAMPLE = ("amplitude", "seed")
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +59,8 @@ def cases_of(sources: Sequence[Source], reference: str | None, resamples: int) -
     ----------
     sources : sequence of (str, Results)
     reference : str or None
-        Label of the model that is taken for exact; default: the first ``bem``.
+        Label of the model that is taken for exact; default, and where there is none of
+        this label: the first ``bem``.
     resamples : int
 
     Returns
@@ -74,13 +76,13 @@ def cases_of(sources: Sequence[Source], reference: str | None, resamples: int) -
     for name, results in sources:
         for experiment, models in results.items():
             known = reference is None or reference in models
-            label = reference_of(dict(models), reference) if known else None
+            label = reference_of(dict(models), reference if known else None)
             alone = Results({experiment: models}, results.spec_text, results.spec_sha256)
             fits = fit(alone, reference=label, resamples=resamples)[experiment]
             place = experiment if len(sources) == 1 else f"{name}: {experiment}"
             cases.append(Case(place, dict(models), fits, label))
-    if reference is not None and all(case.reference is None for case in cases):
-        labels = dict.fromkeys(label for case in cases for label in case.models)
+    labels = dict.fromkeys(label for case in cases for label in case.models)
+    if reference is not None and reference not in labels:
         raise StoreError(f"no model is named {reference!r}; choose one of {', '.join(labels)}")
     return cases
 
@@ -106,13 +108,12 @@ def alike_but(cases: Sequence[Case], name: str) -> list[list[Case]]:
         if exact is None or any(key not in exact.attributes for key in _SPECTRUM):
             continue
         key = (
-            *(exact.attributes[other] for other in _SPECTRUM if other != name),
-            exact.attributes["seed"],
+            *(_same(exact.attributes[other]) for other in _SPECTRUM if other != name),
+            *(exact.attributes.get(other) for other in _SAMPLE),
             exact["pressure"].tobytes(),
-            round(
+            _same(
                 float(exact.attributes.get("grid_points", 0))
-                / float(exact.attributes["length"]),
-                9,
+                / float(exact.attributes["length"])
             ),
         )
         groups.setdefault(key, {}).setdefault(exact.attributes[name], case)
@@ -121,6 +122,11 @@ def alike_but(cases: Sequence[Case], name: str) -> list[list[Case]]:
         for group in groups.values()
         if len(group) > 1
     ]
+
+
+def _same(value: object) -> object:
+    """Return a property without the rounding errors that it came with."""
+    return float(f"{value:.9g}") if isinstance(value, float) else value
 
 
 def _order(value: object) -> tuple[float, str]:

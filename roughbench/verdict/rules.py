@@ -1,10 +1,11 @@
 """How a number with its error decides: the only rules that verdicts are made by.
 
-A measurement x comes with a 68 % interval from low to high. Each side is doubled, to about a
-95 % interval (for factors and ratios: in the logarithm). The claim holds if all of it lies
-where the claim wants it, fails if none of it does, and is undecided otherwise. A value
-without an error, of a theory or of a single realization, decides alone. A value that is a
-bound stands for all values beyond it.
+A measurement x comes with a 68 % interval from low to high, which Student's t of its number
+of realizations widens to 95 % (for factors and ratios: in the logarithm). The claim holds if
+all of it lies where the claim wants it, fails if none of it does, and is undecided otherwise.
+Without anything random, of a theory or measured heights, the value decides alone; a single
+random surface decides nothing. A value that is a bound stands for all values beyond it, and
+an infinite one for its 68 % interval.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from roughbench.fits import Estimate
+from roughbench.fits.resampling import student
 
 
 class Outcome(StrEnum):
@@ -70,12 +72,17 @@ def at_most(
     return Rule((-math.inf, threshold), (-math.inf, upper), of_ratio)
 
 
+def about(target: float, factor: float) -> Rule:
+    """Return the rule for ratios that must be ``target`` within a factor."""
+    return Rule((target / factor, target * factor), of_ratio=True)
+
+
 def near(target: float, tolerance: float) -> Rule:
     """Return the rule for values that must be ``target`` within ``tolerance``."""
     return Rule((target - tolerance, target + tolerance))
 
 
-def decide(rule: Rule, estimate: Estimate, bound: str = "", *, exact: bool = False) -> Outcome:
+def decide(rule: Rule, estimate: Estimate, bound: str = "") -> Outcome:
     """Return what an estimate says of a claim.
 
     Parameters
@@ -84,8 +91,6 @@ def decide(rule: Rule, estimate: Estimate, bound: str = "", *, exact: bool = Fal
     estimate : Estimate
     bound : {"", "≤", "≥"}
         Whether its value is a bound.
-    exact : bool
-        Whether no error is expected: a theory, or a single realization.
 
     Returns
     -------
@@ -97,15 +102,18 @@ def decide(rule: Rule, estimate: Estimate, bound: str = "", *, exact: bool = Fal
     if math.isnan(x):
         return Outcome.NOT_TESTED
     if math.isnan(low):
-        if not exact:
+        if estimate.count:
             return Outcome.UNDECIDED
         low = high = x
     if math.isfinite(x):  # an infinite value is at no distance of its quantiles
         low, high = min(x, low), max(x, high)
+        wider = 2.0
+        if estimate.count > 1:
+            wider = student(0.975, estimate.count) / student(0.84, estimate.count)
         if rule.of_ratio and low > 0.0:
-            low, high = low * (low / x), high * (high / x)
+            low, high = x * (low / x) ** wider, x * (high / x) ** wider
         else:
-            low, high = x - 2.0 * (x - low), x + 2.0 * (high - x)
+            low, high = x - wider * (x - low), x + wider * (high - x)
     if bound == "≥":
         high = math.inf
     elif bound == "≤":

@@ -40,6 +40,7 @@ def make(
         "hurst": HURST,
         "q_rolloff": ROLLOFF,
         "q_max": 1e9,
+        "grid_points": 512,
     }
     return ModelResult(label or kind, kind, kind, attributes | more, variables)
 

@@ -151,7 +151,7 @@ def test_the_reference_can_be_named() -> None:
         fit(collect(one), resamples=1)
 
 
-def test_the_largest_factor_is_taken_where_the_reference_is_proportional() -> None:
+def test_factors_are_taken_where_the_reference_is_proportional() -> None:
     """A model twice too soft, which doubles its error outside of the regions."""
     lawfully = lawful(np.zeros(2))
     lawfully["separation"] = np.maximum(lawfully["separation"], 1e-3 * HEIGHT)
@@ -185,6 +185,8 @@ def test_a_region_without_a_value_has_no_factor() -> None:
     p = np.array([1e-3, 1e-2, 1e-1])
     one, other = np.array([[1.0, math.nan, 2.0]]), np.array([[1.0, 1.0, 1.0]])
     ends = (np.log([1e-3]), np.log([1e-1]))
+    mixed = np.array([[2.0, 1.0, 0.5]])  # rms of ln 2, 0, -ln 2
+    assert fit_factor(p, mixed, other, ends)[0] == pytest.approx(2 ** math.sqrt(2 / 3))
     assert math.isnan(fit_factor(p, one, other, ends)[0])
     assert math.isnan(fit_factor(p, other, other, (np.array([math.nan]), ends[1]))[0])
     assert fit_factor(p, 2 * other, other, ends)[0] == pytest.approx(2.0)
@@ -199,6 +201,50 @@ def test_half_contact_and_the_rise_to_full_contact_are_found() -> None:
     found = fit(collect(make(values)))["main"]["bem"]
     assert found["half_contact"].value == pytest.approx(5e-3, rel=1e-9)
     assert found["exponent_above"].value == pytest.approx(2.5, rel=1e-6)
+
+
+def test_one_closed_line_is_no_infinite_stiffness_of_the_factor() -> None:
+    reference = make(lawful(np.zeros(4)))
+    values = lawful(np.zeros(4))
+    values["stiffness"][0, P > 1e-3] = math.inf
+    found = fit(collect(reference, make(values, "foundation")))["main"]["foundation"]
+    assert 1.0 < found["stiffness_factor"].value < 4 / 3
+
+
+def test_a_plateau_is_where_the_slope_is_one() -> None:
+    values = lawful(np.zeros(2))
+    # Slope 1.1 from 1e-7 to 1e-4, then 1.3: both within ±20 % of p somewhere.
+    slope = np.where(P < 1e-4, (P / 1e-4) ** 0.1, (P / 1e-4) ** 0.3)
+    start = np.where(P < 1e-7, (P / 1e-7) ** -0.4, 1.0)
+    values["stiffness"] = np.broadcast_to(P * slope * start, values["stiffness"].shape)
+    found = fit(collect(make(values)))["main"]["bem"]
+    # The slope over two steps turns over two steps, of 0.2 decades each.
+    assert found["plateau_decades"].value == pytest.approx(3.0, abs=0.25)
+    assert not found["plateau_decades"].is_bound
+
+
+@pytest.mark.parametrize("pressures", [[0.01], [0.01, 0.02], [0.5, 1.0, 2.0, 4.0]])
+def test_few_pressures_or_full_contact_leave_nothing_to_fit(pressures: list[float]) -> None:
+    results = rb.run(
+        {
+            "surface": {"H": 0.7, "q0": 1.0, "q1": 8.0, "slope": 0.1},
+            "pressures": pressures,
+            "realizations": 2,
+            "models": [{"kind": "bem"}, {"kind": "winkler"}, {"kind": "persson"}],
+        }
+    )
+    found = fit(results, resamples=10)["main"]
+    assert math.isnan(found["bem"]["kappa"].value)
+    assert math.isnan(found["winkler"]["area_factor"].value)
+
+
+def test_intervals_of_few_realizations_are_wider() -> None:
+    drawn = np.concatenate([[0.0], np.linspace(-1.0, 1.0, 101)])
+    many, four = estimate(drawn, count=10**6), estimate(drawn, count=4)
+    assert many.error == pytest.approx(0.68, rel=1e-3)
+    # √(4/3) · t(0.84, 3)/z(0.84) = 1.155 · 1.189/0.994
+    assert four.error == pytest.approx(0.68 * 1.155 * 1.189 / 0.994, rel=2e-3)
+    assert four.count == 4
 
 
 # The bootstrap ------------------------------------------------------------------------------

@@ -7,16 +7,27 @@ import math
 import pytest
 
 from roughbench.fits import Estimate
-from roughbench.verdict.rules import Outcome, Rule, at_least, at_most, decide, near, together
+from roughbench.verdict.rules import (
+    Outcome,
+    Rule,
+    about,
+    at_least,
+    at_most,
+    decide,
+    near,
+    together,
+)
 
 H, F, U, N = Outcome.HOLDS, Outcome.FAILS, Outcome.UNDECIDED, Outcome.NOT_TESTED
 FOLLOWS, ANOTHER = at_most(1.5, fails_above=2.0), at_least(2.0, fails_below=1.5)
 RATIO = at_least(2.0, of_ratio=True)
 
 
-def value(x: float, down: float = math.nan, up: float | None = None) -> Estimate:
+def value(
+    x: float, down: float = math.nan, up: float | None = None, count: int = 0
+) -> Estimate:
     up = down if up is None else up
-    return Estimate(x, (down + up) / 2, x - down, x + up, 1.0)
+    return Estimate(x, (down + up) / 2, x - down, x + up, 1.0, count=count)
 
 
 @pytest.mark.parametrize(
@@ -59,6 +70,12 @@ def test_each_side_has_its_own_error() -> None:
     assert decide(at_most(20.0), value(10.0, 3.0, 490.0)) == U
 
 
+def test_a_ratio_may_have_to_be_about_one() -> None:
+    rule = about(1.0, 1.5)
+    assert [decide(rule, value(x)) for x in (0.6, 0.7, 1.4, 1.6)] == [F, H, H, F]
+    assert decide(rule, value(1.4, 0.1)) == U
+
+
 def test_ratios_have_their_errors_in_the_logarithm() -> None:
     """10 within a factor 2 is 10 within a factor 4: at least 2.5."""
     assert decide(RATIO, value(10.0, 5.0, 10.0)) == H
@@ -68,11 +85,19 @@ def test_ratios_have_their_errors_in_the_logarithm() -> None:
     assert decide(RATIO, value(0.9, 0.3, 0.5)) == U  # 1.4² / 0.9 = 2.2
 
 
-def test_a_theory_decides_without_an_error() -> None:
-    assert decide(at_least(2.0), value(2.0), exact=True) == H
-    assert decide(at_least(2.0), value(1.999), exact=True) == F
-    # But where an error is expected, its absence leaves the question open.
-    assert decide(at_least(2.0), value(5.0)) == U
+def test_few_surfaces_need_more_than_two_errors() -> None:
+    """Student's t: the 95 % interval of four values is 2.65 of the 68 % ones, not 2."""
+    assert decide(at_least(2.0), value(2.25, 0.1)) == H
+    assert decide(at_least(2.0), value(2.25, 0.1, count=1000)) == H
+    assert decide(at_least(2.0), value(2.25, 0.1, count=4)) == U
+    assert decide(at_least(2.0), value(2.28, 0.1, count=4)) == H
+
+
+def test_a_theory_decides_without_an_error_and_a_single_surface_not_at_all() -> None:
+    assert decide(at_least(2.0), value(2.0)) == H
+    assert decide(at_least(2.0), value(1.999)) == F
+    assert decide(at_least(2.0), value(5.0, count=1)) == U
+    assert decide(at_least(2.0), value(5.0, count=7)) == U  # it rarely exists
 
 
 def test_what_does_not_exist_is_not_tested() -> None:
@@ -88,8 +113,7 @@ def test_infinity_counts_with_the_scatter_around_it() -> None:
         assert decide(at_most(2.0), infinite) == F
     assert decide(at_least(20.0), often) == U
     alone = Estimate(math.inf, math.nan, math.nan, math.nan, 1.0)
-    assert decide(at_least(2.0), alone, exact=True) == H
-    assert decide(at_least(2.0), alone) == U
+    assert decide(at_least(2.0), alone) == H
 
 
 @pytest.mark.parametrize(

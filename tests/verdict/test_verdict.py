@@ -13,10 +13,10 @@ from roughbench.errors import StoreError
 from roughbench.results import ModelResult, Results
 from roughbench.verdict import Outcome, Verdict, judge
 from roughbench.verdict.claims import CLAIMS
-from tests.fits.lawful import CROSSING, HEIGHT, LENGTH, P, lawful, make
+from tests.fits.lawful import HEIGHT, LENGTH, P, lawful, make
 
 H, F, U, N = Outcome.HOLDS, Outcome.FAILS, Outcome.UNDECIDED, Outcome.NOT_TESTED
-SURFACE = {"q_min": 1.0, "below_rolloff": "rolloff", "seed": 1, "grid_points": 512}
+SURFACE = {"q_min": 1.0, "below_rolloff": "rolloff", "seed": 1, "amplitude": "fixed"}
 SCATTER = np.array([-0.02, -0.01, 0.0, 0.01, 0.02])
 Curves = dict[str, NDArray[np.float64]]
 
@@ -52,7 +52,9 @@ def test_every_claim_is_there_once_with_all_that_a_reader_needs() -> None:
         assert verdict.place
         assert verdict.claim.endswith(".")
         assert verdict.rule
-        assert bool(verdict.remedy) == (verdict.outcome == N)
+        missing = any(one.outcome == N for one in verdict.measurements)
+        wanted = verdict.outcome == N or (verdict.outcome == U and missing)
+        assert bool(verdict.remedy) == wanted
 
 
 def test_the_exact_laws_hold() -> None:
@@ -60,7 +62,6 @@ def test_the_exact_laws_hold() -> None:
     assert found["area-linear"].outcome == H
     assert found["kappa"].outcome == H
     assert found["separation-logarithmic"].outcome == H
-    assert found["stiffness-linear"].outcome == H
     assert found["finite-size-exponent"].outcome == H
     assert found["finite-size-prefactor"].outcome == F  # 2.3
     [theta] = found["finite-size-prefactor"].measurements
@@ -107,24 +108,40 @@ def test_models_are_held_against_the_exact_solution(
         assert found.outcome == outcome, (factor, measured)
 
 
-def test_coupling_is_the_reason_only_if_springs_fail_in_all() -> None:
-    same = model(curves(), "winkler")
-    area_only = model(curves(area=4.0), "winkler")
-    all_off = model(curves(area=4.0, separation=0.3, stiffness=3.0), "winkler")
-    exact = model(curves())
-    assert judged(results(exact, same))["coupling"].outcome == F
-    found = judged(results(exact, area_only))["coupling"]
-    assert [m.outcome for m in found.measurements] == [H, F, F]
-    assert found.outcome == F
-    assert judged(results(exact, all_off))["coupling"].outcome == H
-    assert judged(results(exact))["coupling"].outcome == N
+def test_each_quantity_says_for_itself_whether_coupling_is_the_reason() -> None:
+    other = model(curves(area=4.0, stiffness=1.1), "winkler")
+    found = judged(results(model(curves()), other))
+    kinds = ("area", "separation", "stiffness")
+    assert [found[f"coupling-{name}"].outcome for name in kinds] == [H, F, F]
+    found = judged(results(model(curves())))
+    assert [found[f"coupling-{name}"].outcome for name in kinds] == [N, N, N]
 
 
 def test_a_coupled_line_clears_the_dimension() -> None:
+    exact, line = model(curves()), model(curves(area=5.0, separation=1.2), "line")
+    found = judged(results(exact, line))
+    kinds = ("area", "separation", "stiffness")
+    assert [found[f"dimension-{name}"].outcome for name in kinds] == [F, H, H]
+
+
+def test_other_pressures_are_said_to_be_the_reason() -> None:
     exact = model(curves())
-    good, bad = model(curves(area=1.2), "line"), model(curves(area=5.0), "line")
-    assert judged(results(exact, good))["dimension"].outcome == H
-    assert judged(results(exact, bad))["dimension"].outcome == F
+    other = model(curves(), "foundation")
+    other.variables["pressure"] = P * 1.01  # type: ignore[index]
+    [measured] = judged(results(exact, other))["area-foundation"].measurements
+    assert measured.outcome == N
+    assert measured.note == "its pressures are not those of the exact solution"
+
+
+@pytest.mark.parametrize(
+    "options", [{"gamma": 1.0}, {"area_gamma": 0.5}, {"finite_size": "blend", "theta": 2.3}]
+)
+def test_the_theory_is_the_papers(options: dict[str, Any]) -> None:
+    """Fitted variants may stand beside it, but are not what the paper speaks of."""
+    variant = model(curves(area=3.0, stiffness=3.0), "persson", **({"gamma": 0.45} | options))
+    found = judged(results(model(curves()), variant))
+    assert found["area-persson"].outcome == N
+    assert found["stiffness-persson"].outcome == N
 
 
 def test_the_foundation_closes_early() -> None:
@@ -157,6 +174,10 @@ def test_kappa_is_compared_over_the_rolloff() -> None:
     one, same = model(curves(), q_rolloff=1.0), model(curves(), q_rolloff=8.0)
     other = model(curves(area=1.3), q_rolloff=8.0)
     assert judged(results(one), results(same))["area-rolloff"].outcome == H
+    narrow = model(curves(area=1.3), q_rolloff=8.0, q_max=128.0)
+    wide = model(curves(), q_rolloff=1.0, q_max=128.0)
+    [measured] = judged(results(wide), results(narrow))["area-rolloff"].measurements
+    assert (measured.outcome, measured.note) == (N, "q₁ is less than 32 q_r")
     found = judged(results(one), results(other))["area-rolloff"]
     assert found.outcome == F
     assert found.measurements[0].what == "κ(q_r = 8) / κ(q_r = 1)"
@@ -191,6 +212,13 @@ def test_correlations_need_observables() -> None:
             extra[f"{name}_spectrum_exponent_sem"] = np.full(P.shape, 0.03)
         return ModelResult(kind, kind, kind, one.attributes, {**one.variables, **extra})
 
+    off = results(observed("bem", -1.6, -1.8))
+    off["main"]["bem"].variables["area_mean"] = np.full(P.shape, 0.5)  # type: ignore[index]
+    [measured] = judged(off)["stress-correlation"].measurements
+    assert measured.outcome == N
+    lost = observed("bem", -1.6, -1.8)
+    lost.variables["area_mean"][0] = math.nan  # no state converged there
+    assert judged(results(lost))["stress-correlation"].outcome == H
     keys = ("stress-correlation", "overlap-correlation", "overlap-stress")
     found = judged(results(observed("bem", -1.6, -1.8), observed("winkler", -3.4, -2.6)))
     assert [found[key].outcome for key in keys] == [H, H, H]
@@ -205,8 +233,17 @@ def test_the_foundation_may_have_the_laws_it_should_lack() -> None:
     found = judged(results(model(curves()), other))
     assert found["finite-size-foundation"].outcome == H
     assert found["stiffness-foundation-linear"].outcome == F
-    bent = model(curves(stiffness=(P / CROSSING) ** 0.8), "foundation")
-    found = judged(results(model(curves()), bent))
+
+
+def test_a_bent_curve_has_no_region_however_wide_its_band() -> None:
+    """K/p stays within ±20 % over a decade or more, but its slope is 1 at one place only."""
+    bent = np.exp(0.12 * np.log(P / 1e-4) ** 2) * (P / P[0]) ** 0
+    values = curves()
+    values["stiffness"] = np.broadcast_to(P / 0.002 * bent, values["stiffness"].shape)
+    found = judged(results(model(curves()), model(values, "foundation")))
+    [measured] = found["stiffness-foundation-linear"].measurements
+    # d ln(K/p)/d ln p = 0.24 ln(p/1e-4), within ±0.15 over 2·0.15/0.24 = 1.25 of ln p.
+    assert measured.value == pytest.approx(2 * 0.15 / 0.24 / math.log(10), rel=0.02)
     assert found["stiffness-foundation-linear"].outcome == H
 
 
@@ -217,18 +254,26 @@ def test_scatter_leaves_claims_undecided() -> None:
     assert found.measurements[0].error > 0.2
 
 
-def test_a_single_surface_decides_alone_and_says_so() -> None:
+def test_a_single_surface_decides_nothing_and_says_so() -> None:
     one = lawful(np.zeros(1))
     [measured] = judged(results(model(one)))["kappa"].measurements
-    assert measured.outcome == H
+    assert measured.outcome == U
     assert math.isnan(measured.error)
     assert measured.note == "a single surface: no error"
+    [measured] = judged(results(model(one, surface="file")))["kappa"].measurements
+    assert measured.outcome == H  # measured heights are what they are
 
 
 def test_the_reference_may_be_named() -> None:
     both = results(model(curves()), model(curves(area=3.0), "winkler"))
     found = {v.key: v for v in judge([("a", both)], reference="winkler", resamples=20)}
     assert found["kappa"].measurements[0].value == pytest.approx(6.0, rel=0.01)
+    # Where there is no such model the first exact solver stands in, for all claims.
+    alone = results(model(curves()), model(curves(area=3.0), "foundation"))
+    sources = [("a", both), ("b", alone)]
+    found = {v.key: v for v in judge(sources, reference="winkler", resamples=20)}
+    assert [m.where for m in found["kappa"].measurements] == ["a: main/winkler", "b: main/bem"]
+    assert found["area-foundation"].measurements[0].value == pytest.approx(3.0)
     with pytest.raises(StoreError, match="no model is named 'gw'; choose one of bem, winkler"):
         judge([("a", both)], reference="gw")
 
