@@ -101,9 +101,7 @@ def judge(
     for claim in CLAIMS:
         found = tuple(claim.measure(cases, resamples))
         outcome = claim.outcome(found)
-        missing = any(one.outcome == Outcome.NOT_TESTED for one in found) or not found
-        decided = outcome in (Outcome.HOLDS, Outcome.FAILS)
-        remedy = claim.remedy if missing and not decided else ""
+        remedy = "" if outcome == Outcome.FAILS or not claim.lacks(found) else claim.remedy
         verdicts.append(
             Verdict(claim.key, claim.place, claim.claim, claim.rule, found, outcome, remedy)
         )

@@ -101,15 +101,22 @@ class Claim:
 
     def outcome(self, found: Sequence[Measurement]) -> Outcome:
         """Return what all measurements say: a failure counts, so does a missing part."""
-        parts: dict[str, list[Outcome]] = {}
-        for measurement in found:
-            part = measurement.what if self.in_parts else ""
-            parts.setdefault(part, []).append(measurement.outcome)
-        outcomes = [together(part) for part in parts.values()]
+        outcomes = self._of_parts(found)
         whole = together(outcomes)
         if whole == Outcome.HOLDS and Outcome.NOT_TESTED in outcomes:
             return Outcome.UNDECIDED
         return whole
+
+    def lacks(self, found: Sequence[Measurement]) -> bool:
+        """Return whether nothing tests it, or one of its parts."""
+        return not found or Outcome.NOT_TESTED in self._of_parts(found)
+
+    def _of_parts(self, found: Sequence[Measurement]) -> list[Outcome]:
+        parts: dict[str, list[Outcome]] = {}
+        for measurement in found:
+            part = measurement.what if self.in_parts else ""
+            parts.setdefault(part, []).append(measurement.outcome)
+        return [together(part) for part in parts.values()]
 
 
 # -- how numbers are taken ---------------------------------------------------------------
