@@ -171,7 +171,7 @@ def kappa_rows(results: Results) -> Iterator[tuple[ModelResult, Estimate]]:
 
 
 def rolloffs(results: Results, below: Results) -> Figure:
-    """Draw the width of the region K ~ p, and what the spectrum below q_r changes."""
+    """Draw the width of the region in which K ~ p, and what the spectrum below q_r changes."""
     figure, (left, right) = new_figure(1, 2.7, columns=2)
     fits = fit(results, resamples=300)
     for label, colour, marker in (
@@ -180,7 +180,7 @@ def rolloffs(results: Results, below: Results) -> Figure:
         x, value, error, bound = [], [], [], []
         for experiment, models in fits.items():
             x.append(float(results[experiment][label].attributes["q_rolloff"]))
-            found = models[label]["log_decades"]
+            found = models[label]["plateau_decades"]
             value.append(found.value)
             error.append(found.error)
             bound.append(found.is_bound)
@@ -189,7 +189,12 @@ def rolloffs(results: Results, below: Results) -> Figure:
             x, value, error, color=colour, marker=marker, ms=4, lw=0.8, elinewidth=1,
             lolims=bound, label=words,
         )  # fmt: skip
-    left.set(xscale="log", xlabel="$q_r/q_0$", ylabel=r"decades of $K \sim p$", ylim=(0, None))
+    left.set(
+        xscale="log",
+        xlabel="$q_r/q_0$",
+        ylabel=r"decades of slope $1 \pm 0.15$",
+        ylim=(0, None),
+    )
     left.legend(fontsize=SMALL)
     letter(left, 0)
     a, b = ends_of(below)
@@ -249,7 +254,15 @@ def resolution(results: Results) -> Figure:
     return figure
 
 
-LAWS = ("kappa", "kappa_decades", "log_decades", "alpha_realized", "exponent", "theta_realized")
+LAWS = (
+    "kappa",
+    "kappa_decades",
+    "log_decades",
+    "plateau_decades",
+    "alpha_realized",
+    "exponent",
+    "theta_realized",
+)
 
 
 def tables(runs: Mapping[str, Results]) -> None:
@@ -263,12 +276,12 @@ def tables(runs: Mapping[str, Results]) -> None:
                     print(f"{experiment}: Nayak's parameter {nayak(model):.4g}")
                 names = LAWS if model.kind == "bem" else [f"{q}_factor" for q in QUANTITIES]
                 if model.kind != "bem":
-                    names = [*names, "log_decades"]
+                    names = [*names, "plateau_decades"]
                 numbers = "  ".join(
                     f"{key} {text(found[key])}" for key in names if key in found
                 )
                 print(f"    {label:15} {numbers}")
-    print("\n== cut-off over roll-off, largest factors")
+    print("\n== cut-off over roll-off, factors")
     flat, zero = ends_of(runs["below"])
     for key, estimate in factors(zero, flat).items():
         print(f"    {key} {text(estimate)}")

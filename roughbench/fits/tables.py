@@ -70,6 +70,7 @@ def law_tables(models: Mapping[str, Mapping[str, Estimate]]) -> Iterator[Table]:
         "",
         {
             "K ~ p: decades": "log_decades",
+            "of slope 1": "plateau_decades",
             "from p/E*": "log_from",
             "to p/E*": "log_to",
             "α = u0/h_rms": "alpha",
@@ -88,7 +89,7 @@ def law_tables(models: Mapping[str, Mapping[str, Estimate]]) -> Iterator[Table]:
     others = {label: names for label, names in models.items() if "area_factor" in names}
     if others:
         yield _table(
-            "largest factor from the reference, where that has A ~ p or K ~ p; realized h_rms",
+            "factor from the reference, where that has A ~ p or K ~ p; realized h_rms",
             {
                 "in A/A0": "area_factor",
                 "in ū/h_rms": "separation_factor",
