@@ -11,34 +11,17 @@ from __future__ import annotations
 import base64
 import contextlib
 import fcntl
-import functools
+import itertools
 import json
 import os
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
-
-
-@functools.cache
-def _fftw() -> ModuleType:
-    """Import pyFFTW with an OpenMP runtime whose idle threads sleep.
-
-    Its default is to spin after each transform, on the cores that the loops between
-    the transforms need: that costs up to a factor of four. The runtime reads the
-    variable once, when it loads.
-    """
-    before = os.environ.get("OMP_WAIT_POLICY")
-    os.environ.setdefault("OMP_WAIT_POLICY", "passive")
-    try:
-        import pyfftw
-    finally:
-        if before is None:
-            del os.environ["OMP_WAIT_POLICY"]
-    return pyfftw
 
 
 def cache_folder() -> Path:
@@ -51,6 +34,10 @@ def cache_folder() -> Path:
 
 
 _planned: set[tuple[tuple[int, int], str, int, Path]] = set()
+
+FEWEST_POINTS = 1 << 17
+"""From here on threads gain more than their hand-over costs."""
+_CACHE_LINE = 64
 
 
 class RealTransform:
@@ -71,37 +58,85 @@ class RealTransform:
         The real field; a view into the buffer, with padded rows.
     spectral : ndarray of complex, shape (n, m // 2 + 1)
         The half spectrum; a view into the same memory.
+
+    Notes
+    -----
+    Each thread transforms a block of rows, then one of columns. FFTW has threads of its
+    own, but leaves them idle for half of the time where the grid is large: a pair at 16384²
+    takes 1.75 s with them and 1.37 s this way, and its plan 37 s instead of 14. Up to 8192²
+    both take the same.
     """
 
     def __init__(self, shape: tuple[int, int], dtype: DTypeLike, threads: int = 1) -> None:
-        fftw = _fftw()
+        import pyfftw
+
         n, m = shape
         self.shape = shape
         self.dtype: np.dtype[Any] = np.dtype(dtype)
         spectral_dtype = np.result_type(self.dtype, np.complex64)
-        self.spectral: NDArray[Any] = fftw.empty_aligned((n, m // 2 + 1), spectral_dtype)
+        self.spectral: NDArray[Any] = pyfftw.empty_aligned((n, m // 2 + 1), spectral_dtype)
         self.real: NDArray[Any] = self.spectral.view(self.dtype)[:, :m]
         # A line is a transform over its one long axis; more threads only cost there.
-        axes = (1,) if n == 1 else (0, 1)
-        threads = 1 if n == 1 else threads
-        options = {"axes": axes, "flags": ("FFTW_MEASURE",), "threads": threads}
+        threads = threads if n > 1 and n * m >= FEWEST_POINTS else 1
+        self._pool = ThreadPoolExecutor(threads - 1) if threads > 1 else None
+        rows = _blocks(n, threads, 1)
+        columns = _blocks(m // 2 + 1, threads, _CACHE_LINE // spectral_dtype.itemsize)
+        real, spectral = self.real, self.spectral
         key = (shape, self.dtype.char, threads, cache_folder())
         # FFTW remembers the plans of this process by itself.
-        with contextlib.nullcontext() if key in _planned else _kept_wisdom(fftw):
-            self._forward = fftw.FFTW(self.real, self.spectral, **options)
-            self._backward = fftw.FFTW(
-                self.spectral, self.real, direction="FFTW_BACKWARD", **options
-            )
+        with contextlib.nullcontext() if key in _planned else _kept_wisdom(pyfftw):
+            self._steps = {
+                "rows": [_plan(real[b], spectral[b], 1) for b in rows],
+                "rows back": [_plan(spectral[b], real[b], 1, back=True) for b in rows],
+            }
+            if n > 1:
+                blocks = [spectral[:, b] for b in columns]
+                self._steps["columns"] = [_plan(b, b, 0) for b in blocks]
+                self._steps["columns back"] = [_plan(b, b, 0, back=True) for b in blocks]
         _planned.add(key)
         self.spectral[...] = 0.0
 
     def forward(self) -> None:
         """Replace the real field by its half spectrum, Σ f e^{-iqx}."""
-        self._forward.execute()
+        self._execute("rows")
+        self._execute("columns")
 
     def backward(self) -> None:
         """Replace the half spectrum by the real field, not divided by n·m."""
-        self._backward.execute()
+        self._execute("columns back")
+        self._execute("rows back")
+
+    def _execute(self, step: str) -> None:
+        """Transform all blocks of one step, one in this thread, the others beside it."""
+        plans = self._steps.get(step)
+        if plans is None:
+            return
+        if self._pool is None:
+            plans[0].execute()
+            return
+        others = [self._pool.submit(plan.execute) for plan in plans[1:]]
+        plans[0].execute()
+        for other in others:
+            other.result()
+
+
+def _plan(source: NDArray[Any], target: NDArray[Any], axis: int, *, back: bool = False) -> Any:
+    import pyfftw
+
+    return pyfftw.FFTW(
+        source,
+        target,
+        axes=(axis,),
+        direction="FFTW_BACKWARD" if back else "FFTW_FORWARD",
+        flags=("FFTW_MEASURE",),
+        threads=1,
+    )
+
+
+def _blocks(count: int, threads: int, unit: int) -> list[slice]:
+    """Cut a range into one slice for each thread, at multiples of a unit."""
+    ends = [count * k // threads // unit * unit for k in range(1, threads)]
+    return [slice(a, b) for a, b in itertools.pairwise([0, *ends, count])]
 
 
 @contextlib.contextmanager

@@ -6,13 +6,14 @@ import json
 import os
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from roughbench.transform import RealTransform, cache_folder
+from roughbench.transform import FEWEST_POINTS, RealTransform, cache_folder
 
 SHAPES = [
     *((1, n) for n in (2, 3, 4, 16, 17, 1000)),
@@ -59,6 +60,29 @@ def test_one_buffer_of_the_right_shapes(dtype: type, _error: float) -> None:
     assert np.shares_memory(transform.real, transform.spectral)
     assert (transform.real == 0).all()  # measured plans leave nothing behind
     assert (transform.spectral == 0).all()
+
+
+@pytest.mark.parametrize(("dtype", "error"), PRECISIONS)
+@pytest.mark.parametrize(
+    ("shape", "threads"), [((512, 300), 2), ((401, 403), 3), ((2, 70000), 2)]
+)
+def test_threads_share_the_work_on_large_fields(
+    shape: tuple[int, int], threads: int, dtype: type, error: float, rng: np.random.Generator
+) -> None:
+    assert shape[0] * shape[1] >= FEWEST_POINTS
+    transform = RealTransform(shape, dtype, threads)
+    values: NDArray[np.floating] = rng.standard_normal(shape).astype(dtype)
+    transform.real[...] = values
+    transform.forward()
+    expected = np.fft.rfft2(values.astype(np.float64))
+    size = float(np.abs(expected).max())
+    np.testing.assert_allclose(transform.spectral, expected, rtol=0, atol=error * size)
+    busy = {thread.name for thread in threading.enumerate()}
+    transform.backward()
+    np.testing.assert_allclose(
+        transform.real, values.size * values, rtol=0, atol=10 * error * values.size
+    )
+    assert len(busy) > 1  # the pool's threads are there
 
 
 def test_two_transforms_share_nothing(rng: np.random.Generator) -> None:
@@ -134,40 +158,30 @@ def test_place_of_the_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> 
 
 
 PROGRAM = """\
-import hashlib, os, sys
+import hashlib, sys
 assert "pyfftw" not in sys.modules
 import numpy as np
 from roughbench.transform import RealTransform
 assert "pyfftw" not in sys.modules
-transform = RealTransform((120, 126), np.float64, threads=2)
-assert os.environ.get("OMP_WAIT_POLICY") == (sys.argv[1] or None)
-transform.real[...] = np.random.default_rng(0).standard_normal((120, 126))
+transform = RealTransform((420, 426), np.float64, threads=2)
+transform.real[...] = np.random.default_rng(0).standard_normal((420, 426))
 transform.forward()
 transform.backward()
 print(hashlib.sha256(transform.real.tobytes()).hexdigest())
 """
 
 
-def run_program(wait_policy: str, environment: dict[str, str]) -> subprocess.Popen[str]:
-    if wait_policy:
-        environment["OMP_WAIT_POLICY"] = wait_policy
-    return subprocess.Popen(
-        [sys.executable, "-c", PROGRAM, wait_policy],
-        stdout=subprocess.PIPE,
-        text=True,
-        env=environment,
-    )
-
-
 def test_processes_that_start_together_use_the_same_plans() -> None:
     """The first measures, the others wait for it and take what it kept.
 
-    Also: pyFFTW loads only where it is needed, and the caller's OMP_WAIT_POLICY stays as
-    it was, set or not.
+    Also: pyFFTW loads only where it is needed.
     """
-    environment = {k: v for k, v in os.environ.items() if k != "OMP_WAIT_POLICY"}
-    environment["PYTHONPATH"] = str(Path(__file__).resolve().parents[1])
-    running = [run_program(policy, dict(environment)) for policy in ("", "", "active")]
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[1])}
+    command = [sys.executable, "-c", PROGRAM]
+    running = [
+        subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment)
+        for _ in range(3)
+    ]
     printed = [process.communicate()[0].strip() for process in running]
     assert [process.returncode for process in running] == [0, 0, 0]
     assert len(set(printed)) == 1
