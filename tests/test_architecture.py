@@ -52,7 +52,7 @@ OWNERS = {
     "pydantic": {"models", "spec"},
     "pydantic_core": {"spec"},
     "pyfftw": {"transform"},
-    "scipy": {"models", "observables"},
+    "scipy": {"fits", "models", "observables"},
     "threadpoolctl": {"runner"},
     "tqdm": {"cli"},
     "yaml": {"spec"},
