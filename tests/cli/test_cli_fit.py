@@ -19,15 +19,15 @@ Invoke = Callable[..., Result]
 
 SPEC = """\
 name: fits
-surface: {H: 0.7, q0: 1.0, qr: 4.0, q1: 32.0, slope: 0.1}
-pressures: {min: 1.0e-7, max: 0.1, points: 25}
+surface: {H: 0.7, q0: 1.0, qr: 4.0, q1: 256.0, slope: 0.1}
+pressures: {min: 1.0e-8, max: 0.1, points: 29}
 realizations: 8
 seed: 7
 models:
   - kind: foundation
-    springs: 128
+    springs: 1024
   - kind: winkler
-    grid: 64
+    grid: 512
   - kind: persson
 sweep: {surface.qr: [1.0, 4.0]}
 """
@@ -59,7 +59,7 @@ def test_prints_a_row_for_every_model(fits: Path, invoke: Invoke) -> None:
                 if not math.isnan(kappa.error):
                     shown += f" ± {kappa.error:.2g}"
                 assert shown in text
-    assert "≤ 1e-07" in text  # Persson's area is proportional down to the first pressure
+    assert "≤ 1e-08" in text  # Persson's area is proportional down to the first pressure
     assert "nan" not in text
 
 
