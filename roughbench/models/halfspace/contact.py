@@ -198,11 +198,12 @@ def solve_curve(
     problem = _Problem(heights, length, modulus, tolerance, precision, threads, max_iterations)
     loads = problem.loads(pressures)
     progress = _Progress(loads.size) if finished is None else _Progress.since(finished)
-    states, last = progress.states, progress.last
-    solver = problem.solver
-    start: tuple[float, WorkingSet, NDArray[np.floating]] | None = None
-    if last is not None:
-        start = (*last, solver.tangent(last[1])[1])
+    states, solver = progress.states, problem.solver
+    # Of the state before, one at most: nothing else may keep its vectors while the next
+    # one is solved.
+    before: list[tuple[float, WorkingSet, NDArray[np.floating]]] = []
+    if progress.last is not None:
+        before.append((*progress.last, solver.tangent(progress.last[1])[1]))
     for i in np.argsort(loads, kind="stable")[progress.done :]:
         load = float(loads[i])
         state = states[i]
@@ -213,13 +214,15 @@ def solve_curve(
             state["stiffness"] = math.inf
             state["energy"] = solver.full_energy * problem.energy_unit
         else:
-            before = solver.pairs
-            points = solver.cold_start(load) if start is None else solver.predict(*start, load)
-            solution = solver.solve(load, points)
+            pairs, progress.last = solver.pairs, None
+            solution = solver.solve(
+                load, solver.predict(*before.pop(), load) if before else solver.cold_start(load)
+            )
             state["area"], state["area_raw"] = solver.area(solution.points)
             stiffness, rate = solver.tangent(solution.points)
-            start = (load, solution.points, rate)
-            progress.last = start[:2]
+            before = [(load, solution.points, rate)]
+            progress.last = load, solution.points
+            del rate
             state["separation"] = -solution.alpha * solver.rms
             state["stiffness"] = stiffness * problem.pressure_unit / solver.rms
             state["energy"] = solution.energy * problem.energy_unit
@@ -229,7 +232,7 @@ def solve_curve(
             state["penetration"] = certificate.penetration
             state["load_error"] = certificate.load_error
             state["iterations"] = solution.iterations
-            state["transform_pairs"] = solver.pairs - before
+            state["transform_pairs"] = solver.pairs - pairs
         progress.done += 1
         if solved is not None:
             solved(progress.snapshot, functools.partial(problem.fields, solution, load))

@@ -9,7 +9,7 @@ from roughbench.errors import SolverError
 
 # Bytes per grid point at full occupancy: the exact field (8), and at the working
 # precision a field, the scratch with its halo and seven vectors (p, r, d, s, y, the
-# tangent's x, the pressure that a new working set is filled from).
+# tangent's x, the pressure that a new working set is filled from): not all at once.
 _MIXED = 8 + 9 * 4
 _DOUBLE = 9 * 8
 

@@ -312,6 +312,7 @@ class Solver:
             previous_error = error
             relaxation = self._relaxation(double=double)
             points = survey.fill(relaxation.dtype)
+            del survey  # and with it the points before
             done, _ = relaxation.minimise(
                 points,
                 total,

@@ -88,7 +88,10 @@ class WorkingSet:
         loaded = p.max(axis=1, initial=0) > 0
         rows = np.concatenate(([0], np.cumsum(loaded)))[self.rows]
         kept = _vector(int(rows[-1]) * self.tile_size, self.p.dtype)
-        np.compress(loaded, p, axis=0, out=kept.reshape(-1, self.tile_size))
+        # Any mode but clip has a second array of this size.
+        np.take(
+            p, np.flatnonzero(loaded), axis=0, out=kept.reshape(-1, self.tile_size), mode="clip"
+        )
         return self.under_pressure(self.height, rows, self.tiles[loaded], kept)
 
     @classmethod
