@@ -62,12 +62,12 @@ paper-fig3 paper-fig4 paper-bem: setup
 
 paper-fig3: ## Fig. 3 at the paper's q1 = 8192 q0, without the exact solver
 paper-fig4: ## Fig. 4 at the paper's q1 = 8192 q0, without the exact solver
-paper-bem: ## the exact solver at q1 = 8192 q0: 14 GB of memory, hours (estimates)
+paper-bem: ## the exact solver at q1 = 8192 q0: 13.5 GB of memory, two hours
 
 $(STUDIES:%=study-%): setup
 	$(call compute,$@,configs/study/$(@:study-%=%).yaml)
 
-study: $(STUDIES:%=study-%) ## every run of the study and its report: an hour and a half
+study: $(STUDIES:%=study-%) ## every run of the study and its report: an hour
 	$(BIN)/roughbench report $(STUDIES:%=results/study-%.h5) -o figures/study.html
 
 study-contenders: ## every contender on the same surfaces, q1 = 512 q0
