@@ -23,6 +23,8 @@ True
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -37,6 +39,7 @@ from roughbench.fits.laws import (
     proportional,
 )
 from roughbench.fits.resampling import (
+    MISSING,
     Estimate,
     draw_counts,
     estimate,
@@ -47,6 +50,7 @@ from roughbench.fits.tables import PERCENTS, QUANTITIES
 from roughbench.results import ModelResult, Results
 
 __all__ = [
+    "MISSING",
     "PERCENTS",
     "QUANTITIES",
     "RESAMPLES",
@@ -138,29 +142,24 @@ def fit(
     fitted: Fits = {}
     for experiment, models in results.items():
         label = reference_of(dict(models), reference)
-        chosen = models[label] if label is not None else None
-        fitted[experiment] = {
-            name: _fit_model(result, chosen, resamples, seed) for name, result in models.items()
-        }
+        drawn = {name: _Drawn(result, resamples, seed) for name, result in models.items()}
+        chosen = drawn[label] if label is not None else None
+        fitted[experiment] = {name: _fit_model(one, chosen) for name, one in drawn.items()}
     return fitted
 
 
-def _fit_model(
-    result: ModelResult, reference: ModelResult | None, resamples: int, seed: int
-) -> dict[str, Estimate]:
-    pressure = np.asarray(result["pressure"], float)
-    means, realized_height = _resampled(result, resamples, seed)
-    laws = fit_laws(pressure, means, dict(result.attributes), realized_height[:, 0])
-    count = n_random(result)
+def _fit_model(one: _Drawn, reference: _Drawn | None) -> dict[str, Estimate]:
+    pressure = one.pressure
+    laws = fit_laws(pressure, one.means, dict(one.result.attributes), one.height[:, 0])
+    count = n_random(one.result)
     found = {name: estimate(*values, count=count) for name, values in laws.items()}
-    if reference is None or reference is result:
+    if reference is None or reference is one:
         return found
-    if not np.array_equal(reference["pressure"], pressure):
+    if not np.array_equal(reference.pressure, pressure):
         return found
-    held_against, _ = _resampled(reference, resamples, seed)
-    count = n_random(result, reference)
+    count = n_random(one.result, reference.result)
     for name in QUANTITIES:
-        ours, theirs = _paired(means[name], held_against[name])
+        ours, theirs = _paired(one.means[name], reference.means[name])
         open_ = np.ones(pressure.shape, bool)
         if name == "area":
             open_ = ~(theirs[0] > NEARLY_CLOSED)
@@ -170,7 +169,7 @@ def _fit_model(
             )
             found[f"{name}_agrees_from_{percent}"] = estimate(*lower, count=count)
             found[f"{name}_agrees_to_{percent}"] = estimate(*upper, count=count)
-    return found | factors(result, reference, resamples, seed)
+    return found | _factors(one, reference)
 
 
 def n_random(*results: ModelResult) -> int:
@@ -207,34 +206,55 @@ def factors(
         compared: a single closed line makes the mean of K infinite. Lengths are in units of
         the rms height of each one's realized surfaces.
     """
-    pressure = np.asarray(reference["pressure"], float)
-    ours, our_height = _resampled(result, resamples, seed)
-    theirs, their_height = _resampled(reference, resamples, seed)
-    linear = {
-        "area": proportional(pressure, theirs["area"], AREA_TOLERANCE),
-        "stiffness": proportional(pressure, theirs["stiffness"], STIFFNESS_TOLERANCE),
-    }
-    found, count = {}, n_random(result, reference)
+    return _factors(_Drawn(result, resamples, seed), _Drawn(reference, resamples, seed))
+
+
+def _factors(one: _Drawn, reference: _Drawn) -> dict[str, Estimate]:
+    found, count = {}, n_random(one.result, reference.result)
     for name, power in POWERS_OF_LENGTH.items():
         mean = "stiffness_harmonic" if name == "stiffness" else name
-        a, b = _paired(ours[mean] / our_height**power, theirs[mean] / their_height**power)
-        ends = linear["area" if name == "area" else "stiffness"]
-        start, end = (np.broadcast_to(x, len(b)) for x in ends)
+        ours, theirs = (x.means[mean] / x.height**power for x in (one, reference))
+        ours, theirs = _paired(ours, theirs)
+        ends = reference.linear["area" if name == "area" else "stiffness"]
+        start, end = (np.broadcast_to(x, len(theirs)) for x in ends)
         found[f"{name}_factor"] = estimate(
-            fit_factor(pressure, a, b, (start, end)), count=count
+            fit_factor(reference.pressure, ours, theirs, (start, end)), count=count
         )
     return found
 
 
-def _resampled(
-    result: ModelResult, resamples: int, seed: int
-) -> tuple[dict[str, NDArray[np.float64]], NDArray[np.float64]]:
-    """Return the mean curves over the resamples, and the realized rms height, (B, 1)."""
-    counts = draw_counts(result.n_realizations, resamples, seed)
-    means = {name: resampled_means(result, name, counts) for name in QUANTITIES}
-    means["stiffness_harmonic"] = harmonic_means(result, "stiffness", counts)
-    heights = np.asarray(result["rms_height"], float)
-    return means, (counts @ heights / heights.size)[:, None]
+class _Drawn:
+    """The averages of a model over its resamples.
+
+    Attributes
+    ----------
+    result : ModelResult
+    pressure : ndarray of float64, shape (P,)
+    means : dict of str to ndarray of float64, shape (B, P)
+        What :func:`~roughbench.fits.laws.fit_laws` takes.
+    height : ndarray of float64, shape (B, 1)
+        Realized rms height.
+    """
+
+    def __init__(self, result: ModelResult, resamples: int, seed: int) -> None:
+        counts = draw_counts(result.n_realizations, resamples, seed)
+        self.result = result
+        self.pressure = np.asarray(result["pressure"], float)
+        self.means = {name: resampled_means(result, name, counts) for name in QUANTITIES}
+        self.means["stiffness_harmonic"] = harmonic_means(result, "stiffness", counts)
+        heights = np.asarray(result["rms_height"], float)
+        self.height = (counts @ heights / heights.size)[:, None]
+
+    @functools.cached_property
+    def linear(self) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
+        """Where area and stiffness are proportional to the pressure: ends in ln p, (B,)."""
+        return {
+            name: proportional(self.pressure, self.means[name], tolerance)
+            for name, tolerance in (
+                ("area", AREA_TOLERANCE),
+                ("stiffness", STIFFNESS_TOLERANCE),
+            )
+        }
 
 
 def _paired(

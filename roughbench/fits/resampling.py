@@ -45,6 +45,10 @@ class Estimate:
     count: int = 0
 
 
+MISSING = Estimate(math.nan, math.nan, math.nan, math.nan, 0.0)
+"""There is no such number."""
+
+
 def draw_counts(n_realizations: int, resamples: int, seed: int) -> FloatArray:
     """Return how often each realization counts in each resample; in the first, once.
 

@@ -6,12 +6,11 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from roughbench.fits.resampling import Estimate
+from roughbench.fits.resampling import MISSING, Estimate
 
 PERCENTS = (10, 50)
 QUANTITIES = ("area", "separation", "stiffness")
 _WORDS = {"area": "A/A0", "separation": "ū", "stiffness": "K"}
-_MISSING = Estimate(math.nan, math.nan, math.nan, math.nan, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +127,7 @@ def _table(
     title: str, columns: Mapping[str, str], models: Mapping[str, Mapping[str, Estimate]]
 ) -> Table:
     rows = {
-        label: tuple(_cell(names.get(name, _MISSING), name) for name in columns.values())
+        label: tuple(_cell(names.get(name, MISSING), name) for name in columns.values())
         for label, names in models.items()
     }
     return Table(title, tuple(columns), rows)

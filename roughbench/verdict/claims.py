@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from roughbench.fits import Estimate, factors, n_random
+from roughbench.fits import MISSING, Estimate, factors, n_random
 from roughbench.results import ModelResult
 from roughbench.verdict.cases import Case, alike_but
 from roughbench.verdict.rules import (
@@ -34,14 +34,19 @@ from roughbench.verdict.sizes import size_exponent
 
 FOLLOWS = 1.5
 ANOTHER = 2.0
-BROADEST = 32.0
+MANY_SCALES = 32.0
 """q₁/q_r of a spectrum with many scales; the paper's is 1024 or more."""
 GAMMAS = (0.4, 0.5)
 """γ of the paper's theory, which says that it is about 0.45."""
 
 _TO_FOLLOW = at_most(FOLLOWS, fails_above=ANOTHER, of_ratio=True)
 _TO_DIFFER = at_least(ANOTHER, fails_below=FOLLOWS, of_ratio=True)
-_QUANTITIES = {"area": "A/A₀", "separation": "ū/h_rms", "stiffness": "K h_rms"}
+_SYMBOLS = {"area": "A/A₀", "separation": "ū/h_rms", "stiffness": "K h_rms"}
+_WORDS = {
+    "area": "the contact area",
+    "separation": "the mean separation",
+    "stiffness": "the stiffness",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,6 +127,15 @@ class Claim:
 # -- how numbers are taken ---------------------------------------------------------------
 
 
+def _models(
+    cases: Sequence[Case], *kinds: str
+) -> Iterator[tuple[Case, ModelResult, Mapping[str, Estimate]]]:
+    """Yield every model of some kinds, with its case and its fits."""
+    for case in cases:
+        for model in case.of_kind(*kinds):
+            yield case, model, case.fits[model.label]
+
+
 def _taken(
     case: Case,
     model: ModelResult,
@@ -151,12 +165,10 @@ def _law(kind: str, *numbers: tuple[str, str, Rule, str]) -> Measure:
     """Measure fitted numbers, each (name of the fit, words, rule, kind of bound)."""
 
     def measure(cases: Sequence[Case], _resamples: int) -> Iterator[Measurement]:
-        for case in cases:
-            for model in case.of_kind(kind):
-                fits = case.fits[model.label]
-                for name, words, rule, bound in numbers:
-                    if name in fits:
-                        yield _taken(case, model, words, fits[name], rule, bound)
+        for case, model, fits in _models(cases, kind):
+            for name, words, rule, bound in numbers:
+                if name in fits:
+                    yield _taken(case, model, words, fits[name], rule, bound)
 
     return measure
 
@@ -165,16 +177,16 @@ def _factor(rule: Rule, name: str, *kinds: str) -> Measure:
     """Measure the factor between models of some kinds and the exact solution."""
 
     def measure(cases: Sequence[Case], _resamples: int) -> Iterator[Measurement]:
-        for case in cases:
-            for model in filter(_as_published, case.of_kind(*kinds)):
-                fits = case.fits[model.label]
-                words = f"factor in {_QUANTITIES[name]}"
-                if f"{name}_factor" in fits:
-                    note = _agreement(fits, name)
-                    yield _taken(case, model, words, fits[f"{name}_factor"], rule, note=note)
-                elif case.exact is not None:
-                    why = "its pressures are not those of the exact solution"
-                    yield _not_tested(case, model, words, why)
+        words = f"factor in {_SYMBOLS[name]}"
+        for case, model, fits in _models(cases, *kinds):
+            if not _as_published(model):
+                continue
+            if f"{name}_factor" in fits:
+                note = _agreement(fits, name)
+                yield _taken(case, model, words, fits[f"{name}_factor"], rule, note=note)
+            elif case.exact is not None:
+                why = "its pressures are not those of the exact solution"
+                yield _not_tested(case, model, words, why)
 
     return measure
 
@@ -205,39 +217,23 @@ def _agreement(fits: Mapping[str, Estimate], name: str) -> str:
 
 def _close(cases: Sequence[Case], _resamples: int) -> Iterator[Measurement]:
     """Measure how much earlier the foundation closes than the exact solution."""
-    for case in cases:
-        exact = case.exact
-        if exact is None:
-            continue
-        there = case.fits[exact.label]["half_contact"]
-        for model in case.of_kind("foundation"):
-            here = case.fits[model.label]["half_contact"]
-            ratio = _ratio(there, here)
-            words = "p at A/A₀ = ½, exact over foundation"
+    words = "p at A/A₀ = ½, exact over foundation"
+    for case, model, fits in _models(cases, "foundation"):
+        if case.reference is not None:
+            there = case.fits[case.reference]["half_contact"]
+            ratio = _ratio(there, fits["half_contact"])
             yield _taken(case, model, words, ratio, at_least(ANOTHER, of_ratio=True))
-
-
-def _theta(cases: Sequence[Case], _resamples: int) -> Iterator[Measurement]:
-    for case in cases:
-        for model in case.of_kind("reference"):
-            fits = case.fits[model.label]
-            if "theta_realized" in fits:
-                yield _taken(case, model, "θ", fits["theta_realized"], about(1.0, FOLLOWS))
 
 
 def _exponent(kind: str) -> Measure:
     """Measure the exponent of K at the lowest pressures against 1/(1 + H)."""
 
     def measure(cases: Sequence[Case], _resamples: int) -> Iterator[Measurement]:
-        for case in cases:
-            for model in case.of_kind(kind):
-                fits = case.fits[model.label]
-                if "exponent_expected" in fits:
-                    expected = fits["exponent_expected"].value
-                    words = "n of K ∼ pⁿ"
-                    rule = near(expected, 0.05)
-                    note = f"1/(1+H) = {expected:.3f}"
-                    yield _taken(case, model, words, fits["exponent"], rule, note=note)
+        for case, model, fits in _models(cases, kind):
+            if "exponent_expected" in fits:
+                expected = fits["exponent_expected"].value
+                rule, note = near(expected, 0.05), f"1/(1+H) = {expected:.3f}"
+                yield _taken(case, model, "n of K ∼ pⁿ", fits["exponent"], rule, note=note)
 
     return measure
 
@@ -253,35 +249,33 @@ def _regions(cases: Sequence[Case], resamples: int) -> Iterator[Measurement]:
 
 def _kappa(cases: Sequence[Case], _resamples: int) -> Iterator[Measurement]:
     """Measure κ of the exact solution, on spectra of many scales."""
-    for case in cases:
-        for model in case.of_kind("reference"):
-            if _is_narrow(model):
-                yield _not_tested(case, model, "κ", _NARROW)
-            else:
-                yield _taken(case, model, "κ", case.fits[model.label]["kappa"], near(2.0, 0.2))
+    for case, model, fits in _models(cases, "reference"):
+        if _is_narrow(model):
+            yield _not_tested(case, model, "κ", _NARROW)
+        else:
+            yield _taken(case, model, "κ", fits["kappa"], near(2.0, 0.2))
 
 
 def _is_narrow(model: ModelResult) -> bool:
     found = model.attributes
     if "q_max" not in found or "q_rolloff" not in found:
         return False
-    return float(found["q_max"]) < BROADEST * float(found["q_rolloff"]) * (1.0 - 1e-9)
+    return float(found["q_max"]) < MANY_SCALES * float(found["q_rolloff"]) * (1.0 - 1e-9)
 
 
-_NARROW = f"q₁ is less than {BROADEST:g} q_r"
+_NARROW = f"q₁ is less than {MANY_SCALES:g} q_r"
 
 
 def _three_decades(cases: Sequence[Case], _resamples: int) -> Iterator[Measurement]:
-    for case in cases:
-        for model in case.of_kind("reference"):
-            found = model.attributes
-            if "q_rolloff" not in found or "q_min" not in found:
-                continue
-            eight = math.isclose(float(found["q_rolloff"]), 8.0 * float(found["q_min"]))
-            bump = float(found["q_min"]) * float(found["length"]) / (2.0 * math.pi)
-            if eight and math.isclose(bump, 1.0, rel_tol=1e-6):
-                decades = case.fits[model.label]["log_decades"]
-                yield _taken(case, model, "decades of K ∼ p", decades, near(3.0, 0.5), "≥")
+    for case, model, fits in _models(cases, "reference"):
+        found = model.attributes
+        if "q_rolloff" not in found or "q_min" not in found:
+            continue
+        eight = math.isclose(float(found["q_rolloff"]), 8.0 * float(found["q_min"]))
+        bump = float(found["q_min"]) * float(found["length"]) / (2.0 * math.pi)
+        if eight and math.isclose(bump, 1.0, rel_tol=1e-6):
+            decades, rule = fits["log_decades"], near(3.0, 0.5)
+            yield _taken(case, model, "decades of K ∼ p", decades, rule, "≥")
 
 
 def _kappa_by_rolloff(cases: Sequence[Case], _resamples: int) -> Iterator[Measurement]:
@@ -308,7 +302,7 @@ def _below_rolloff(cases: Sequence[Case], resamples: int) -> Iterator[Measuremen
         if here is None or there is None:
             continue
         found = factors(here, there, resamples)
-        for name, words in _QUANTITIES.items():
+        for name, words in _SYMBOLS.items():
             text = f"factor in {words} between cut-off and roll-off"
             yield _taken(
                 without, here, text, found[f"{name}_factor"], at_most(1.2, of_ratio=True)
@@ -339,25 +333,22 @@ def _correlation(
     """Measure the exponent of a spectrum, at the pressure whose area is nearest to 1 %."""
 
     def measure(cases: Sequence[Case], _resamples: int) -> Iterator[Measurement]:
-        name = f"{observable}_exponent"
-        for case in cases:
-            for model in case.of_kind(kind):
-                if f"{name}_mean" not in model or "hurst" not in model.attributes:
-                    continue
-                if case.exact is None:
-                    continue
-                k = _place_of_one_percent(case.exact)
-                words = f"exponent, {law}"
-                if k is None or not np.array_equal(model["pressure"], case.exact["pressure"]):
-                    why = f"no pressure has an exact A/A₀ between {_AROUND[0]} and {_AROUND[1]}"
-                    yield _not_tested(case, model, words, why)
-                    continue
-                mean, error = float(model[f"{name}_mean"][k]), float(model[f"{name}_sem"][k])
-                target = expected(float(model.attributes["hurst"]))
-                count = n_random(model)
-                estimate = Estimate(mean, error, mean - error, mean + error, 1.0, count=count)
-                note = f"{target:.2f} expected; at p = {float(model['pressure'][k]):.2g} E*"
-                yield _taken(case, model, words, estimate, near(target, 0.2), note=note)
+        name, words = f"{observable}_exponent", f"exponent, {law}"
+        for case, model, _ in _models(cases, kind):
+            exact, found = case.exact, model.attributes
+            if exact is None or f"{name}_mean" not in model or "hurst" not in found:
+                continue
+            k = _place_of_one_percent(exact)
+            if k is None or not np.array_equal(model["pressure"], exact["pressure"]):
+                why = f"no pressure has an exact A/A₀ between {_AROUND[0]} and {_AROUND[1]}"
+                yield _not_tested(case, model, words, why)
+                continue
+            mean, error = float(model[f"{name}_mean"][k]), float(model[f"{name}_sem"][k])
+            count = n_random(model)
+            estimate = Estimate(mean, error, mean - error, mean + error, 1.0, count=count)
+            target = expected(float(found["hurst"]))
+            note = f"{target:.2f} expected; at p = {float(model['pressure'][k]):.2g} E*"
+            yield _taken(case, model, words, estimate, near(target, 0.2), note=note)
 
     return measure
 
@@ -377,9 +368,9 @@ def _place_of_one_percent(exact: ModelResult) -> int | None:
 
 def _ratio(a: Estimate, b: Estimate) -> Estimate:
     """Return a/b of two estimates; their errors are taken as independent."""
-    count = min((x.count for x in (a, b) if x.count), default=0)
     if not (math.isfinite(a.value) and math.isfinite(b.value)):
-        return Estimate(math.nan, math.nan, math.nan, math.nan, 0.0, count=count)
+        return MISSING
+    count = min((x.count for x in (a, b) if x.count), default=0)
     value = a.value / b.value
     parts = [x.error / x.value if x.count else 0.0 for x in (a, b)]
     error = value * math.hypot(*parts) if count else math.nan
@@ -396,18 +387,11 @@ _FOLLOWS = f"at most {FOLLOWS:g} (fails from {ANOTHER:g} on)"
 _ANOTHER = f"at least {ANOTHER:g} (fails up to {FOLLOWS:g})"
 
 
-_EACH = (
-    ("area", "A/A₀", "the contact area"),
-    ("separation", "ū/h_rms", "the mean separation"),
-    ("stiffness", "K h_rms", "the stiffness"),
-)
-
-
-def _within(quantity: str, wanted: str) -> str:
-    law = "A ∼ p" if quantity == "A/A₀" else "K ∼ p"
-    unit = "" if quantity == "A/A₀" else ", each with its own realized h_rms,"
+def _within(name: str, wanted: str) -> str:
+    law = "A ∼ p" if name == "area" else "K ∼ p"
+    unit = "" if name == "area" else ", each with its own realized h_rms,"
     return (
-        f"factor between the model's {quantity} and the exact one{unit} where the exact "
+        f"factor between the model's {_SYMBOLS[name]} and the exact one{unit} where the exact "
         f"solution has {law}: {wanted}"
     )
 
@@ -427,7 +411,7 @@ CLAIMS = (
         "kappa",
         "eq. (9)",
         "The factor is κ ≈ 2.",
-        f"exact κ: 2 ± 0.2, for q₁ ≥ {BROADEST:g} q_r",
+        f"exact κ: 2 ± 0.2, for q₁ ≥ {MANY_SCALES:g} q_r",
         _ALONE,
         _kappa,
     ),
@@ -436,7 +420,7 @@ CLAIMS = (
         "Fig. 3(a)",
         "The contact area does not depend on the roll-off.",
         "ratio of the exact κ of surfaces that differ in q_r alone: 1 ± 0.1, for "
-        f"q₁ ≥ {BROADEST:g} q_r",
+        f"q₁ ≥ {MANY_SCALES:g} q_r",
         "a spec with bem and sweep: {surface.qr: [1.0, 8.0]}",
         _kappa_by_rolloff,
     ),
@@ -444,7 +428,7 @@ CLAIMS = (
         "area-persson",
         "Fig. 3(a)",
         "Persson's theory describes the contact area.",
-        _within("A/A₀", _FOLLOWS),
+        _within("area", _FOLLOWS),
         _WITH.format("persson"),
         _factor(_TO_FOLLOW, "area", "persson"),
     ),
@@ -452,7 +436,7 @@ CLAIMS = (
         "area-foundation",
         "abstract, Fig. 3(a)",
         "The one-dimensional foundation is far off in the contact area.",
-        _within("A/A₀", _ANOTHER),
+        _within("area", _ANOTHER),
         _WITH.format("foundation"),
         _factor(_TO_DIFFER, "area", "foundation"),
     ),
@@ -485,7 +469,7 @@ CLAIMS = (
         "separation-persson",
         "Fig. 3(b)",
         "Persson's theory describes the mean separation.",
-        _within("ū/h_rms", _FOLLOWS),
+        _within("separation", _FOLLOWS),
         _WITH.format("persson"),
         _factor(_TO_FOLLOW, "separation", "persson"),
     ),
@@ -493,7 +477,7 @@ CLAIMS = (
         "separation-foundation",
         "abstract, Fig. 3(b)",
         "The one-dimensional foundation is far off in the mean separation.",
-        _within("ū/h_rms", _ANOTHER),
+        _within("separation", _ANOTHER),
         _WITH.format("foundation"),
         _factor(_TO_DIFFER, "separation", "foundation"),
     ),
@@ -532,7 +516,7 @@ CLAIMS = (
         "about one.",
         f"exact θ, with the rms height of the realized surfaces: 1 within a factor {FOLLOWS:g}",
         "a spec with bem, at pressures from 1e-7 and a large q1/q0",
-        _theta,
+        _law("reference", ("theta_realized", "θ", about(1.0, FOLLOWS), "")),
     ),
     Claim(
         "finite-size-foundation",
@@ -554,7 +538,7 @@ CLAIMS = (
         "stiffness-foundation",
         "Fig. 4",
         "The one-dimensional foundation is far off in the stiffness.",
-        _within("K h_rms", _ANOTHER),
+        _within("stiffness", _ANOTHER),
         _WITH.format("foundation"),
         _factor(_TO_DIFFER, "stiffness", "foundation"),
     ),
@@ -562,7 +546,7 @@ CLAIMS = (
         "stiffness-persson",
         "Fig. 4",
         "Persson's theory describes the stiffness.",
-        _within("K h_rms", _FOLLOWS),
+        _within("stiffness", _FOLLOWS),
         _WITH.format("persson"),
         _factor(_TO_FOLLOW, "stiffness", "persson"),
     ),
@@ -572,11 +556,11 @@ CLAIMS = (
             "abstract; the test is ours",
             "The foundation fails because it neglects the long-range elastic coupling: "
             f"springs without coupling are off in {words} on the surface itself as well.",
-            f"winkler (independent springs under the surface): {_within(symbol, _ANOTHER)}",
+            f"winkler (independent springs under the surface): {_within(name, _ANOTHER)}",
             _WITH.format("winkler"),
             _factor(_TO_DIFFER, name, "winkler"),
         )
-        for name, symbol, words in _EACH
+        for name, words in _WORDS.items()
     ),
     *(
         Claim(
@@ -584,11 +568,11 @@ CLAIMS = (
             "discussion; the test is ours",
             "The reduced dimension is not the problem: a line with elastic coupling follows "
             f"the surface in {words}.",
-            f"line (the exact solution of a line): {_within(symbol, _FOLLOWS)}",
+            f"line (the exact solution of a line): {_within(name, _FOLLOWS)}",
             _WITH.format("line"),
             _factor(_TO_FOLLOW, name, "line"),
         )
-        for name, symbol, words in _EACH
+        for name, words in _WORDS.items()
     ),
     Claim(
         "below-rolloff",
@@ -645,7 +629,7 @@ CLAIMS = (
         "asperities",
         "beyond the paper",
         "Models of independent summits fail for the contact area.",
-        _within("A/A₀", _ANOTHER),
+        _within("area", _ANOTHER),
         _WITH.format("gw or gw_elliptic"),
         _factor(_TO_DIFFER, "area", "gw", "gw_elliptic"),
     ),

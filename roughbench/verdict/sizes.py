@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.fits import Estimate
+from roughbench.fits import MISSING, Estimate
 from roughbench.fits.resampling import draw_counts, estimate, resampled_means
 from roughbench.results import ModelResult
 
@@ -40,7 +40,7 @@ def size_exponent(
         separation, or the region does not exist.
     """
     if not (start > 0.0 and end > start):
-        return Estimate(math.nan, math.nan, math.nan, math.nan, 0.0)
+        return MISSING
     middle = 0.5 * (math.log(start) + math.log(end))
     sizes = np.log([float(model.attributes["length"]) for model in series])
     places = []
@@ -55,7 +55,8 @@ def size_exponent(
     count = max(len(place) for place in places)
     table = np.stack([np.broadcast_to(place, count) for place in places], axis=1)
     offset = sizes - sizes.mean()
-    return estimate(np.asarray(table @ offset / (offset @ offset)))
+    slopes = np.asarray(table @ offset / (offset @ offset))
+    return estimate(slopes)
 
 
 def _pressure_at(x: FloatArray, means: FloatArray, level: float) -> FloatArray:
