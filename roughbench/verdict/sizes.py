@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.fits import MISSING, Estimate
+from roughbench.fits import MISSING, Estimate, n_random
 from roughbench.fits.resampling import draw_counts, estimate, resampled_means
 from roughbench.results import ModelResult
 
@@ -56,7 +56,7 @@ def size_exponent(
     table = np.stack([np.broadcast_to(place, count) for place in places], axis=1)
     offset = sizes - sizes.mean()
     slopes = np.asarray(table @ offset / (offset @ offset))
-    return estimate(slopes)
+    return estimate(slopes, count=n_random(*series))
 
 
 def _pressure_at(x: FloatArray, means: FloatArray, level: float) -> FloatArray:

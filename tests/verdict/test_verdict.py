@@ -202,6 +202,18 @@ def test_sizes_show_in_the_pressure_at_a_separation(
         assert found[key].outcome == outcome
 
 
+def test_single_surfaces_say_nothing_of_sizes() -> None:
+    experiments = []
+    for scale in (1.0, 2.0):
+        values = lawful(np.zeros(1))
+        values["separation"] = np.maximum(values["separation"], 1e-3 * HEIGHT)
+        size: dict[str, Any] = {"length": LENGTH * scale, "grid_points": 512 * scale}
+        experiments.append(results(model(values, **size)))
+    [measured] = judged(*experiments)["size-exact"].measurements
+    assert measured.value == pytest.approx(0.0, abs=0.02)
+    assert measured.outcome == U
+
+
 def test_correlations_need_observables() -> None:
     def observed(kind: str, stress: float, contact: float) -> ModelResult:
         one = model(curves(), kind)
