@@ -17,7 +17,6 @@ from roughbench.models.halfspace import memory
 from roughbench.models.halfspace.options import Precision
 from roughbench.models.halfspace.solver import (
     FLOAT32_FLOOR,
-    Certificate,
     Solution,
     Solver,
 )
@@ -62,11 +61,11 @@ class ContactState:
             self.mean_separation = 0.0
             self.energy = solver.full_energy * problem.energy_unit
             self.status = Status.CONVERGED
-            self.certificate = Certificate(0.0, 0.0, 0.0)
+            self.certificate = solver.full_contact(load)
             self.iterations = self.transform_pairs = 0
         else:
             self.area_fraction, self.area_fraction_raw = solver.area(solution.points)
-            self.mean_separation = -solution.alpha * solver.rms
+            self.mean_separation = solution.separation * solver.rms
             self.energy = solution.energy * problem.energy_unit
             self.status = solution.status
             self.certificate = solution.certificate
@@ -207,32 +206,34 @@ def solve_curve(
     for i in np.argsort(loads, kind="stable")[progress.done :]:
         load = float(loads[i])
         state = states[i]
-        solution = None
+        solution, pairs = None, solver.pairs
         if load >= solver.full_load:
+            before.clear()
             state["area"] = state["area_raw"] = 1.0
             state["separation"] = 0.0
             state["stiffness"] = math.inf
             state["energy"] = solver.full_energy * problem.energy_unit
+            certificate = solver.full_contact(load)
         else:
-            pairs, progress.last = solver.pairs, None
-            solution = solver.solve(
-                load, solver.predict(*before.pop(), load) if before else solver.cold_start(load)
-            )
+            progress.last = None
+            start = solver.predict(*before.pop(), load) if before else None
+            solution = solver.solve(load, solver.cold_start(load) if start is None else start)
+            del start
             state["area"], state["area_raw"] = solver.area(solution.points)
             stiffness, rate = solver.tangent(solution.points)
             before = [(load, solution.points, rate)]
             progress.last = load, solution.points
             del rate
-            state["separation"] = -solution.alpha * solver.rms
+            state["separation"] = solution.separation * solver.rms
             state["stiffness"] = stiffness * problem.pressure_unit / solver.rms
             state["energy"] = solution.energy * problem.energy_unit
             state["status"] = solution.status
-            certificate = solution.certificate
-            state["complementarity"] = certificate.complementarity
-            state["penetration"] = certificate.penetration
-            state["load_error"] = certificate.load_error
             state["iterations"] = solution.iterations
-            state["transform_pairs"] = solver.pairs - pairs
+            certificate = solution.certificate
+        state["complementarity"] = certificate.complementarity
+        state["penetration"] = certificate.penetration
+        state["load_error"] = certificate.load_error
+        state["transform_pairs"] = solver.pairs - pairs
         progress.done += 1
         if solved is not None:
             solved(progress.snapshot, functools.partial(problem.fields, solution, load))

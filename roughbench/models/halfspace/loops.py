@@ -144,7 +144,7 @@ def multiply_by_kernel(a, b, spectral, qy_squared, qx_squared, factor, exponent)
 
 
 @_loop
-def traction_at_full_contact(a, b, field, heights, height_scale, height_mean):
+def traction_at_full_contact(a, b, field, heights, height_scale, datum):
     """Lowest value of the traction in ``field``, and its product sum with the heights."""
     lowest = np.inf
     product = 0.0
@@ -153,19 +153,37 @@ def traction_at_full_contact(a, b, field, heights, height_scale, height_mean):
         h_row = heights[i]
         for j in range(row.shape[0]):
             lowest = min(lowest, row[j])
-            product += row[j] * height_scale * (h_row[j] - height_mean)
+            product += row[j] * height_scale * (h_row[j] - datum)
     return lowest, product
 
 
 @_loop
-def overlap_sums(a, b, heights, height_scale, height_mean, plane):
+def gap_at_full_contact(a, b, traction, field, heights, height_scale, datum):
+    """Σσ, Σ|g|, Σσ|g| and max(−g) of the traction σ and the gap g = u − h; u = field."""
+    total = 0.0
+    gap = 0.0
+    moment = 0.0
+    deepest = 0.0
+    for i in range(a, b):
+        sigma, u_row, h_row = traction[i], field[i], heights[i]
+        for j in range(h_row.shape[0]):
+            g = u_row[j] - height_scale * (h_row[j] - datum)
+            total += sigma[j]
+            gap += abs(g)
+            moment += sigma[j] * abs(g)
+            deepest = max(deepest, -g)
+    return total, gap, moment, deepest
+
+
+@_loop
+def overlap_sums(a, b, heights, height_scale, datum, plane):
     """Σmax(h − d, 0) for a plane at height d, and the number of points above it."""
     total = 0.0
     n = 0.0
     for i in range(a, b):
         row = heights[i]
         for j in range(row.shape[0]):
-            overlap = height_scale * (row[j] - height_mean) - plane
+            overlap = height_scale * (row[j] - datum) - plane
             above = overlap > 0
             total += overlap if above else 0.0
             n += 1.0 if above else 0.0
@@ -173,14 +191,14 @@ def overlap_sums(a, b, heights, height_scale, height_mean, plane):
 
 
 @_loop
-def dense_gap(a, b, field, heights, height_scale, height_mean, alpha, gap):
+def dense_gap(a, b, field, heights, height_scale, datum, alpha, gap):
     """Dense gap u − h − α."""
     for i in range(a, b):
         u_row = field[i]
         h_row = heights[i]
         g_row = gap[i]
         for j in range(h_row.shape[0]):
-            g_row[j] = u_row[j] - height_scale * (h_row[j] - height_mean) - alpha
+            g_row[j] = u_row[j] - height_scale * (h_row[j] - datum) - alpha
 
 
 # -- between fields and working sets -------------------------------------------------------
@@ -205,7 +223,7 @@ def scatter(a, b, height, rows, tiles, values, field):
 
 
 @_loop
-def gap_sums(a, b, height, rows, tiles, p, field, heights, height_scale, height_mean):
+def gap_sums(a, b, height, rows, tiles, p, field, heights, height_scale, datum):
     """Σp, Σp(u − h) and Σpu over the working set; u = field."""
     n, m = field.shape
     mass = 0.0
@@ -223,10 +241,30 @@ def gap_sums(a, b, height, rows, tiles, p, field, heights, height_scale, height_
                     pressure = np.float64(p[k + e])
                     u = np.float64(u_row[j + e])
                     mass += pressure
-                    moment += pressure * (u - height_scale * (h_row[j + e] - height_mean))
+                    moment += pressure * (u - height_scale * (h_row[j + e] - datum))
                     energy += pressure * u
                 k += height * TILE
     return mass, moment, energy
+
+
+@_loop
+def open_gap(a, b, height, rows, tiles, p, field, heights, height_scale, datum, alpha):
+    """Σ of the gap u − h − α, where it is positive, over the points without pressure."""
+    n, m = field.shape
+    total = 0.0
+    for tile_row in range(a, b):
+        i0 = tile_row * height
+        for i in range(i0, min(i0 + height, n)):
+            u_row = field[i]
+            h_row = heights[i]
+            t = rows[tile_row]
+            for j in range(m):
+                while t < rows[tile_row + 1] and tiles[t] < j // TILE:
+                    t += 1
+                known = t < rows[tile_row + 1] and tiles[t] == j // TILE
+                if not (known and p[(t * height + i - i0) * TILE + j % TILE] > 0):
+                    total += max(u_row[j] - height_scale * (h_row[j] - datum) - alpha, 0.0)
+    return (total,)
 
 
 @_loop
@@ -240,7 +278,7 @@ def choose_tiles(
     field,
     heights,
     height_scale,
-    height_mean,
+    datum,
     alpha,
     chosen,
 ):
@@ -263,7 +301,7 @@ def choose_tiles(
                 j0 = tile * TILE
                 lowest = np.inf
                 for j in range(j0, min(j0 + TILE, m)):
-                    gap = u_row[j] - height_scale * (h_row[j] - height_mean) - alpha
+                    gap = u_row[j] - height_scale * (h_row[j] - datum) - alpha
                     lowest = min(lowest, gap)
                 worst = min(worst, lowest)
                 if lowest < 0:
@@ -274,7 +312,7 @@ def choose_tiles(
                 for e in range(min(TILE, m - j)):
                     pressure = p[k + e]
                     if pressure > 0:
-                        h = height_scale * (h_row[j + e] - height_mean)
+                        h = height_scale * (h_row[j + e] - datum)
                         total += pressure * abs(u_row[j + e] - h - alpha)
                         mark[tiles[t]] = 1
                 k += height * TILE
@@ -292,7 +330,7 @@ def fill_tiles(
     field,
     heights,
     height_scale,
-    height_mean,
+    datum,
     alpha,
     new_rows,
     new_tiles,
@@ -315,7 +353,7 @@ def fill_tiles(
                 k_old = old * size + (i - i0) * TILE
                 for e in range(TILE):
                     if i < n and j + e < m:
-                        h = height_scale * (heights[i, j + e] - height_mean)
+                        h = height_scale * (heights[i, j + e] - datum)
                         new_r[k + e] = field[i, j + e] - h - alpha
                         new_p[k + e] = p[k_old + e] if known else 0
                     else:
@@ -762,6 +800,14 @@ def largest_step(a, b, size, one, p, s):
             ratio = -p_here[k] / s_here[k]
             reach[k] = min(reach[k], ratio if s_here[k] < 0 else far)
     return np.float64(reach.min())
+
+
+@_loop
+def drop_residues(a, b, size, p, r, alpha, stiffness):
+    """p = 0 where a gap ρ = r − α > 0 is more than p could close alone, p < ``stiffness``·ρ."""
+    for k in range(a * size, b * size):
+        if p[k] < stiffness * (r[k] - alpha):
+            p[k] = 0
 
 
 @_loop

@@ -72,6 +72,7 @@ class CellSolver:
         self.count, self.force = np.zeros(cells, dtype), np.zeros(cells, dtype)
         self._transform = RealTransform(cells, dtype, threads=1)
         self._few: _Few | None = None
+        self._few_max = math.isqrt(shape[0] * shape[1] // 16)
         self._iterations = COARSE_ITERATIONS_LINE if shape[0] == 1 else COARSE_ITERATIONS
         self._tables((tile_height(shape), TILE), cells)
 
@@ -100,11 +101,15 @@ class CellSolver:
         self._kernel = (self._kernel / n_cells).astype(self.count.dtype)
 
     def open(self, points: WorkingSet, *, few: bool) -> None:
-        """Start on the tiles of a working set; with ``few``, by a matrix between them."""
+        """Start on the tiles of a working set; with ``few``, by a matrix between them.
+
+        Not where so many tiles are in it that the matrix would take more than a sixteenth
+        of the memory of a field, and its products longer than transforms of the cells.
+        """
         self.count[:] = 0
         self.force[:] = 0
         self._few = None
-        if few:
+        if few and points.tiles.size <= self._few_max:
             place = points.places
             unit = np.zeros_like(self.force)
             unit[0, 0] = 1

@@ -29,6 +29,11 @@ SHORTEST = 0.3
 0.5 repeats more steps (3 % more transform pairs in all), 0.15 gains nothing more."""
 
 
+LONGEST = 10.0
+"""Longest step, in trial steps. Rounding errors of the load grow by as much, and where
+nothing is left to gain, the exact step is a quotient of rounding errors: 1e7 was seen."""
+
+
 class Relaxation:
     """Minimises over the pressures of a working set, at one precision.
 
@@ -153,6 +158,13 @@ class Relaxation:
             length, alpha = found
             previous_power = power
             iteration += 1
+        # What is left of pressures on their way to zero must not count as contact.
+        self.team.run(
+            loops.drop_residues,
+            tiles,
+            w.tile_size,
+            *(w.p, w.r, number(alpha), self._weights[0]),
+        )
         self.team.run(loops.clear, blocks, *w.layout, self._scratch)
         w.keep_pressure()
         self._near = self._direct = None
@@ -250,7 +262,7 @@ class Relaxation:
                         reach = self.team.run(
                             loops.largest_step, tiles, size, self._one, w.p, w.s
                         )
-                        length = min(exact, *reach)
+                        length = min(exact, LONGEST, *reach)
                     return length, (sum_r + length * sum_y) / n_contact
                 tau *= exact
                 trial, _ = self.team.sum(loops.trial_load, tiles, size, w.p, w.d, number(tau))
