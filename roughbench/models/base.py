@@ -15,7 +15,13 @@ from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+)
 
 from roughbench.spectrum import Spectrum
 
@@ -155,6 +161,11 @@ class Model(BaseModel, ABC):
     """Whether it iterates each state to a tolerance. Threads may change its last bits then,
     and states that are there are kept when other pressures are asked for."""
 
+    later: ClassVar[tuple[str, ...]] = ()
+    """Options that came after results had been written. With their default values they are
+    left out of the model's tree, and so of hashes and results: a spec that does not name
+    them stays the spec that it was."""
+
     kind: str
     label: str | None = Field(
         default=None,
@@ -164,6 +175,14 @@ class Model(BaseModel, ABC):
     realizations: int | None = Field(
         default=None, ge=1, description="Overrides the spec's realizations for this model."
     )
+
+    @model_serializer(mode="wrap")
+    def _without_later_defaults(self, tree: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        values: dict[str, Any] = tree(self)
+        for name in self.later:
+            if getattr(self, name) == type(self).model_fields[name].default:
+                values.pop(name, None)
+        return values
 
     @property
     def name(self) -> str:

@@ -105,7 +105,7 @@ def names(resolved: Sequence[tuple[Variant, Mapping[str, Any]]]) -> list[str]:
     used: dict[str, None] = {}
     for variant, tree in resolved:
         text = ",".join(
-            f"{key}={_word(lookup(tree, path))}" for key, _, path in variant.choices
+            f"{key}={_word(_value(variant, tree, path))}" for key, _, path in variant.choices
         )
         name = plain = re.sub(r"[^A-Za-z0-9_.,=+\[\]-]", "_", text)
         number = 1
@@ -114,6 +114,12 @@ def names(resolved: Sequence[tuple[Variant, Mapping[str, Any]]]) -> list[str]:
             name = f"{plain}_{number}"
         used[name] = None
     return [*used]
+
+
+def _value(variant: Variant, resolved: Mapping[str, Any], path: KeyPath) -> object:
+    value = lookup(resolved, path)
+    # Defaults may be left out of a resolved tree: of these the spec itself tells.
+    return lookup(variant.tree, path) if value is None else value
 
 
 def _word(value: object) -> str:

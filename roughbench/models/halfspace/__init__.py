@@ -17,7 +17,11 @@ from pydantic import Field
 from roughbench.errors import SolverError
 from roughbench.models._grids import GridModel, GridOption
 from roughbench.models.base import Curve, FloatArray, Sample, Solved
-from roughbench.models.halfspace.options import PrecisionOption, ToleranceOption
+from roughbench.models.halfspace.options import (
+    CorrectionOption,
+    PrecisionOption,
+    ToleranceOption,
+)
 
 
 class HalfSpace(GridModel):
@@ -26,6 +30,7 @@ class HalfSpace(GridModel):
     dimension: ClassVar[int] = 2
     title: ClassVar[str] = "Exact (BEM)"
     has_fields: ClassVar[bool] = True
+    later: ClassVar[tuple[str, ...]] = ("correction",)
 
     kind: Literal["bem"] = "bem"
     grid: GridOption = Field(
@@ -37,6 +42,7 @@ class HalfSpace(GridModel):
     )
     tolerance: ToleranceOption = 1e-6
     precision: PrecisionOption = "mixed"
+    correction: CorrectionOption = "perimeter"
 
     def curve(
         self,
@@ -80,6 +86,7 @@ class HalfSpace(GridModel):
             length=sample.length,
             tolerance=self.tolerance,
             precision=self.precision,
+            correction=self.correction,
             threads=threads,
             solved=solved,
             finished=finished,

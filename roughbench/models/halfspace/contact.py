@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from roughbench.errors import SolverError
 from roughbench.models.base import Curve, Fields, FloatArray, Solved, Status
 from roughbench.models.halfspace import memory
-from roughbench.models.halfspace.options import Precision
+from roughbench.models.halfspace.options import Correction, Precision
 from roughbench.models.halfspace.solver import (
     FLOAT32_FLOOR,
     Solution,
@@ -32,7 +32,7 @@ class ContactState:
     Attributes
     ----------
     area_fraction : float
-        A/A0, corrected for the perimeter of the contact on the grid.
+        A/A0, by default corrected for the perimeter of the contact on the grid.
     area_fraction_raw : float
         Points in contact / all points.
     mean_separation : float
@@ -64,7 +64,9 @@ class ContactState:
             self.certificate = solver.full_contact(load)
             self.iterations = self.transform_pairs = 0
         else:
-            self.area_fraction, self.area_fraction_raw = solver.area(solution.points)
+            self.area_fraction, self.area_fraction_raw = solver.area(
+                solution.points, problem.correction
+            )
             self.mean_separation = solution.separation * solver.rms
             self.energy = solution.energy * problem.energy_unit
             self.status = solution.status
@@ -91,6 +93,7 @@ def solve_contact(
     precision: Precision = "mixed",
     threads: int | None = None,
     max_iterations: int = 3000,
+    correction: Correction = "perimeter",
 ) -> ContactState:
     r"""Press a hard rough wall against a periodic elastic half-space.
 
@@ -119,6 +122,9 @@ def solve_contact(
         Threads of transforms and loops; default: all cores available.
     max_iterations : int
         Limit on the inner iterations.
+    correction : {"perimeter", "none"}
+        Correct the area for the points that a grid counts too many along those edges of the
+        contact that the solution finds, or not. Lines are not corrected.
 
     Returns
     -------
@@ -142,7 +148,9 @@ def solve_contact(
     >>> bool(abs(state.area_fraction_raw - 0.5) < 2e-3)
     True
     """
-    problem = _Problem(heights, length, modulus, tolerance, precision, threads, max_iterations)
+    problem = _Problem(
+        heights, length, modulus, tolerance, precision, threads, max_iterations, correction
+    )
     load = float(problem.loads([pressure])[0])
     solver = problem.solver
     if load >= solver.full_load:
@@ -160,6 +168,7 @@ def solve_curve(
     precision: Precision = "mixed",
     threads: int | None = None,
     max_iterations: int = 3000,
+    correction: Correction = "perimeter",
     solved: Solved | None = None,
     finished: Mapping[str, NDArray[Any]] | None = None,
 ) -> Curve:
@@ -174,7 +183,7 @@ def solve_curve(
         Length.
     pressures : array_like of float, shape (k,)
         Nominal pressures p > 0 in the unit of ``modulus``, in any order.
-    length, modulus, tolerance, precision, threads, max_iterations
+    length, modulus, tolerance, precision, threads, max_iterations, correction
         As in :func:`solve_contact`.
     solved : callable, optional
         Called after each pressure, with functions that return a snapshot and the fields.
@@ -194,7 +203,9 @@ def solve_curve(
         If an argument is out of its range, the heights are not finite, or the grid does
         not fit into memory.
     """
-    problem = _Problem(heights, length, modulus, tolerance, precision, threads, max_iterations)
+    problem = _Problem(
+        heights, length, modulus, tolerance, precision, threads, max_iterations, correction
+    )
     loads = problem.loads(pressures)
     progress = _Progress(loads.size) if finished is None else _Progress.since(finished)
     states, solver = progress.states, problem.solver
@@ -219,7 +230,7 @@ def solve_curve(
             start = solver.predict(*before.pop(), load) if before else None
             solution = solver.solve(load, solver.cold_start(load) if start is None else start)
             del start
-            state["area"], state["area_raw"] = solver.area(solution.points)
+            state["area"], state["area_raw"] = solver.area(solution.points, problem.correction)
             stiffness, rate = solver.tangent(solution.points)
             before = [(load, solution.points, rate)]
             progress.last = load, solution.points
@@ -315,6 +326,7 @@ class _Problem:
         precision: Precision,
         threads: int | None,
         max_iterations: int,
+        correction: Correction,
     ) -> None:
         try:
             h = np.asarray(heights)
@@ -339,6 +351,8 @@ class _Problem:
             raise SolverError(f"tolerance must be at most 0.1, got {tolerance}")
         if precision not in ("mixed", "double"):
             raise SolverError(f"precision must be 'mixed' or 'double', got {precision!r}")
+        if not (isinstance(correction, str) and correction in ("perimeter", "none")):
+            raise SolverError(f"correction must be 'perimeter' or 'none', got {correction!r}")
         if threads is not None and threads < 1:
             raise SolverError(f"threads must be at least 1, got {threads}")
         if max_iterations < 1:
@@ -353,6 +367,7 @@ class _Problem:
         self.shape = h.shape
         self.spacing = length / h.shape[0]
         self.modulus = modulus
+        self.correction: Correction = correction
         self.solver = Solver(
             h.reshape((1, -1)) if h.ndim == 1 else h,
             tolerance,

@@ -34,6 +34,16 @@ TILE = 8
 NEVER = 1e30
 """Residual of points that can never be free."""
 
+STEEPEST = 0.75
+"""Of two points in a row at a free edge, where p = A√s, the outer one carries at most 1/√2 of
+what the inner one does; at an edge that the heights prescribe the pressure does not fall."""
+
+STEP, NARROW_STEP = 4.0, 30.0
+"""Bend of the heights at a prescribed edge, in units of pΔ/E*, at least: in contacts of three
+or more points, and of two. A heuristic, chosen on punches, plateaus and stairs against rough
+surfaces with 2, 4 and 8 points on the shortest wave (H = 0.3 to 0.9, A = 1e-3 to 0.98), of
+whose 191,000, 116,000 and 68,000 edges it takes 0.09, 0.011 and 0.0015 % for prescribed."""
+
 # Sums may be reordered, and minima taken, by vector instructions. Infinities keep their
 # meaning; a NaN still reaches the sums that the solver checks.
 _FLAGS = {"reassoc", "contract", "arcp", "nsz", "nnan"}
@@ -375,8 +385,8 @@ def clear(a, b, height, rows, tiles, scratch):
 
 
 @_loop
-def spread_contact(a, b, height, rows, tiles, p, scratch):
-    """Write 1 to ``scratch`` where p > 0, 0 elsewhere on the working set."""
+def spread_pressure(a, b, height, rows, tiles, p, scratch):
+    """Write p to ``scratch`` on the working set."""
     n, m = scratch.shape[0] - 2, scratch.shape[1] - 2
     for tile_row in range(a, b):
         i0 = tile_row * height
@@ -385,31 +395,62 @@ def spread_contact(a, b, height, rows, tiles, p, scratch):
             k = rows[tile_row] * height * TILE + (i - i0) * TILE
             for t in range(rows[tile_row], rows[tile_row + 1]):
                 j = tiles[t] * TILE
-                for e in range(min(TILE, m - j)):
-                    row[j + 1 + e] = 1 if p[k + e] > 0 else 0
+                _copy(p, k, row, j + 1, min(TILE, m - j))
                 k += height * TILE
 
 
 @_loop
-def boundary_edges(a, b, height, rows, tiles, p, scratch):
-    """Points with p > 0, and grid edges between these and others (from ``scratch``)."""
-    n, m = scratch.shape[0] - 2, scratch.shape[1] - 2
+def _is_free(i, j, di, dj, scratch, heights, height_scale):
+    """Whether the edge between point (i, j) and (i + di, j + dj), outside, is free."""
+    n, m = heights.shape
+    p = scratch[i + 1, j + 1]
+    behind = scratch[i + 1 - di, j + 1 - dj]
+    if not (behind > 0 and p > STEEPEST * behind):
+        return True
+    beyond = scratch[(i - 2 * di) % n + 1, (j - 2 * dj) % m + 1]
+    sides = max(scratch[i + 1 - dj, j + 1 - di], scratch[i + 1 + dj, j + 1 + di])
+    h = np.float64(heights[i, j])
+    inner = heights[(i - di) % n, (j - dj) % m]
+    outer = heights[(i + di) % n, (j + dj) % m]
+    bend = height_scale * ((h - inner) + (h - outer))
+    least = STEP if beyond > 0 else NARROW_STEP
+    return bend <= least * max(max(p, behind), max(sides, beyond))
+
+
+@_loop
+def boundary_edges(a, b, height, rows, tiles, scratch, heights, height_scale):
+    """Points with p > 0, and free grid edges between these and others.
+
+    ``scratch`` holds p, with its halo. For what is free see
+    :meth:`.relaxation.Relaxation.count_edges`.
+    """
+    n, m = heights.shape
     contact = 0.0
-    edges = 0.0
+    free = 0.0
     for tile_row in range(a, b):
         i0 = tile_row * height
         for i in range(i0, min(i0 + height, n)):
             north, here, south = scratch[i], scratch[i + 1], scratch[i + 2]
-            k = rows[tile_row] * height * TILE + (i - i0) * TILE
             for t in range(rows[tile_row], rows[tile_row + 1]):
-                j = tiles[t] * TILE
-                for e in range(min(TILE, m - j)):
-                    if p[k + e] > 0:
-                        c = j + 1 + e
-                        contact += 1.0
-                        edges += 4.0 - north[c] - south[c] - here[c - 1] - here[c + 1]
-                k += height * TILE
-    return contact, edges
+                j0 = tiles[t] * TILE
+                for j in range(j0, min(j0 + TILE, m)):
+                    c = j + 1
+                    if not here[c] > 0:
+                        continue
+                    contact += 1.0
+                    if north[c] == 0 and _is_free(i, j, -1, 0, scratch, heights, height_scale):
+                        free += 1.0
+                    if south[c] == 0 and _is_free(i, j, 1, 0, scratch, heights, height_scale):
+                        free += 1.0
+                    if here[c - 1] == 0 and _is_free(
+                        i, j, 0, -1, scratch, heights, height_scale
+                    ):
+                        free += 1.0
+                    if here[c + 1] == 0 and _is_free(
+                        i, j, 0, 1, scratch, heights, height_scale
+                    ):
+                        free += 1.0
+    return contact, free
 
 
 @_loop

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 Precision = Literal["mixed", "double"]
+Correction = Literal["none", "perimeter"]
 
 ToleranceOption = Annotated[
     float,
@@ -15,4 +16,11 @@ ToleranceOption = Annotated[
 PrecisionOption = Annotated[
     Precision,
     Field(description="Iterate in float32 and certify in float64, or float64 throughout."),
+]
+CorrectionOption = Annotated[
+    Correction,
+    Field(
+        description="Whether the area is corrected for the points that a grid counts too many "
+        "along the free edges of the contact."
+    ),
 ]

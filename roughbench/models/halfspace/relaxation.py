@@ -387,13 +387,36 @@ class Relaxation:
             *(self._one, self._direct is None, self.operator.field, w.p, w.r, x, w.y),
         )
 
-    def count_edges(self, w: WorkingSet) -> tuple[float, float]:
-        """Points in contact, and grid edges between contact and no contact."""
+    def count_edges(
+        self, w: WorkingSet, heights: NDArray[np.floating], scale: float
+    ) -> tuple[float, float]:
+        r"""Points in contact, and grid edges around it that the solution has found.
+
+        At a *free* edge the pressure vanishes like the square root of the distance. Where
+        the heights end the contact, by a step or a kink, it does not. An edge counts as
+        prescribed if the pressure p there is more than ``STEEPEST`` of that of the point
+        behind it (away from the edge) and the heights bend down at that point by
+
+        .. math:: 2h - h_{behind} - h_{outside} > c\, p_{max} \Delta / E^*,
+
+        with the largest pressure of the point, its neighbours and the next point behind.
+        A contact two points wide has no next one: c is ``STEP``, there ``NARROW_STEP``.
+        A single point tells nothing; its edges are free.
+
+        Parameters
+        ----------
+        w : WorkingSet
+            With p, in E* h_s/Δ.
+        heights : ndarray, shape of the grid
+            With any mean.
+        scale : float
+            1/h_s.
+        """
         blocks, _ = self.team.split(w.rows)
-        self.team.run(loops.spread_contact, blocks, *w.layout, w.p, self._scratch)
+        self.team.run(loops.spread_pressure, blocks, *w.layout, w.p, self._scratch)
         loops.wrap_halo(self._scratch)
-        contact, edges = self.team.sum(
-            loops.boundary_edges, blocks, *w.layout, w.p, self._scratch
+        contact, free = self.team.sum(
+            loops.boundary_edges, blocks, *w.layout, self._scratch, heights, scale
         )
         self.team.run(loops.clear, blocks, *w.layout, self._scratch)
-        return float(contact), float(edges)
+        return float(contact), float(free)

@@ -28,6 +28,7 @@ from roughbench.models.base import Status
 from roughbench.models.halfspace import loops
 from roughbench.models.halfspace.direct import DirectOperator
 from roughbench.models.halfspace.operator import HalfSpaceOperator
+from roughbench.models.halfspace.options import Correction
 from roughbench.models.halfspace.relaxation import PENETRATION_SLACK, Relaxation
 from roughbench.models.halfspace.working_set import WorkingSet, tile_grid, tile_height
 
@@ -577,19 +578,21 @@ class Solver:
         )
         return 1.0 / compliance, rate
 
-    def area(self, points: WorkingSet) -> tuple[float, float]:
-        """A/A0 corrected for the perimeter, and points in contact / all points.
+    def area(self, points: WorkingSet, correction: Correction) -> tuple[float, float]:
+        """A/A0, corrected for the perimeter or not, and points in contact / all points.
 
-        Too many of the grid points next to the edge of the contact count as contact; the
-        excess is (π − 1 + ln 2)/24 of the grid edges around it (Yastrebov, Anciaux and
+        Too many of the grid points next to a free edge of the contact count as contact; the
+        excess is (π − 1 + ln 2)/24 of the grid edges there (Yastrebov, Anciaux and
         Molinari, 2017). The factor is that of edges in all directions on a surface; lines
         are not corrected.
         """
+        if correction == "none" or self.heights.shape[0] == 1:
+            raw = points.n_contact / self.size
+            return raw, raw
         relaxation = self._relaxation(double=points.p.dtype == np.float64)
-        contact, edges = relaxation.count_edges(points)
-        if self.heights.shape[0] == 1:
-            edges = 0.0
-        return (contact - PERIMETER_FACTOR * edges) / self.size, contact / self.size
+        heights, scale, _ = self._h
+        contact, free = relaxation.count_edges(points, heights, scale)
+        return (contact - PERIMETER_FACTOR * free) / self.size, contact / self.size
 
     def dense(self, solution: Solution) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Pressure and gap of a state as float64 fields, dimensionless."""
