@@ -8,10 +8,11 @@ PYTHON ?= $(shell for python in python3 python3.13 python3.12 python3.11 python3
 	&& echo $$python && break; done)
 JOBS ?= $(shell nproc 2>/dev/null || echo 1)
 BIN := .venv/bin
+MINIMUM := .venv-minimum
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-all lint smoke fig1 fig2 fig3 fig4 figures paper-fig3 \
+.PHONY: help demo test test-all test-minimum lint smoke fig1 fig2 fig3 fig4 figures paper-fig3 \
 	paper-fig4 paper-bem study study-contenders \
 	study-fields study-size study-rolloff study-below study-hurst study-cutoff \
 	study-resolution compare compare-tamaas faults bench readme-figures dist dist-check \
@@ -82,10 +83,21 @@ study-resolution: ## the same surfaces on finer and finer grids
 ## -- checking --------------------------------------------------------------------------
 
 test: setup-dev ## unit tests and doctests, without those marked slow
-	$(BIN)/python -m pytest -m "not slow"
+	$(BIN)/python -m pytest -n $(JOBS) -m "not slow"
 
 test-all: setup-dev ## all tests
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n $(JOBS)
+
+test-minimum: $(MINIMUM)/ready ## tests with the oldest versions of the dependencies (Python 3.11)
+	$(MINIMUM)/bin/python -m pytest -n $(JOBS) -m "not slow" tests/cli tests/figures \
+		tests/observables tests/report tests/runner tests/spec tests/test_*.py
+
+$(MINIMUM)/ready: pyproject.toml scripts/minimum_versions.py | setup
+	$(BIN)/python -m venv --clear --without-pip $(MINIMUM)
+	$(BIN)/python scripts/minimum_versions.py dask > $(MINIMUM)/constraints.txt
+	$(BIN)/python -m pip --python $(MINIMUM)/bin/python install --quiet \
+		--constraint $(MINIMUM)/constraints.txt --editable '.[dev]'
+	touch $@
 
 lint: setup-dev ## ruff and mypy
 	$(BIN)/ruff check .
@@ -138,4 +150,4 @@ clean: ## remove results, figures, caches and builds
 	find . -name __pycache__ -not -path './.venv/*' -prune -exec rm -rf {} +
 
 distclean: clean ## remove .venv too
-	rm -rf .venv
+	rm -rf .venv $(MINIMUM)

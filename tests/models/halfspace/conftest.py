@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -196,14 +196,6 @@ class Reference:
         told = state.certificate
         reported = (told.complementarity, told.penetration, told.load_error)
         assert reported == pytest.approx(own, rel=1e-3, abs=0.1 * rounding)
-
-
-@pytest.fixture(scope="session", autouse=True)
-def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Keep the transforms' plans of these tests out of the user's cache."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("ROUGHBENCH_CACHE", str(tmp_path_factory.mktemp("cache")))
-        yield
 
 
 @pytest.fixture(scope="session")

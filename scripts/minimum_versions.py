@@ -1,0 +1,41 @@
+"""Print the oldest version of every dependency that pyproject.toml admits, for pip.
+
+    python scripts/minimum_versions.py [EXTRA ...] > constraints.txt
+
+Each ``name>=version`` becomes ``name==version``; ``make test-minimum`` runs the tests with
+just these.
+"""
+
+import re
+import sys
+import tomllib
+from pathlib import Path
+
+PROJECT = Path(__file__).resolve().parents[1] / "pyproject.toml"
+
+
+def minimum(requirement: str) -> str:
+    """Return ``name==version`` of ``name>=version`` or ``name~=version``.
+
+    Raises
+    ------
+    ValueError
+        If the requirement names no oldest version.
+    """
+    found = re.fullmatch(r"([\w.-]+)(?:\[[\w,-]+\])?\s*[>~]=\s*([\w.]+)", requirement)
+    if found is None:
+        raise ValueError(f"{requirement!r} names no oldest version")
+    return f"{found[1]}=={found[2]}"
+
+
+def main(extras: list[str]) -> None:
+    """Print one constraint per line."""
+    project = tomllib.loads(PROJECT.read_text(encoding="utf-8"))["project"]
+    requirements = list(project["dependencies"])
+    for extra in extras:
+        requirements += project["optional-dependencies"][extra]
+    print("\n".join(sorted({minimum(requirement) for requirement in requirements})))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
