@@ -13,6 +13,7 @@ import roughbench
 
 LAYERS = (
     "errors",
+    "inputs",
     "publish",
     "spectrum",
     "surface",

@@ -12,6 +12,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roughbench.errors import SolverError
+from roughbench.inputs import (
+    check_heights,
+    float_array,
+    positive_number,
+    real_array,
+    real_number,
+    whole_number,
+)
 from roughbench.models.base import Curve, Fields, FloatArray, Solved, Status
 from roughbench.models.halfspace import memory
 from roughbench.models.halfspace.options import Precision
@@ -142,8 +150,9 @@ def solve_contact(
     >>> bool(abs(state.area_fraction_raw - 0.5) < 2e-3)
     True
     """
+    nominal = real_number(pressure, "pressure")
     problem = _Problem(heights, length, modulus, tolerance, precision, threads, max_iterations)
-    load = float(problem.loads([pressure])[0])
+    load = float(problem.loads([nominal])[0])
     solver = problem.solver
     if load >= solver.full_load:
         return ContactState(problem, None, load)
@@ -316,40 +325,26 @@ class _Problem:
         threads: int | None,
         max_iterations: int,
     ) -> None:
-        try:
-            h = np.asarray(heights)
-        except ValueError as error:
-            raise SolverError(f"heights must be a rectangular array: {error}") from error
-        if h.dtype not in (np.float32, np.float64):
-            try:
-                h = h.astype(np.float64, casting="same_kind" if h.dtype.kind == "f" else "safe")
-            except TypeError as error:
-                raise SolverError(
-                    f"heights must be real numbers, got dtype {h.dtype}"
-                ) from error
+        h = real_array(heights, "heights", kinds="buif")
         if h.ndim not in (1, 2) or min(h.shape, default=0) < 2:
             raise SolverError(
                 "heights must be a line (n,) or a surface (n, m) of at least 2 points a "
                 f"side, got shape {h.shape}"
             )
-        for name, value in (("length", length), ("modulus", modulus), ("tolerance", tolerance)):
-            if not 0.0 < value < math.inf:
-                raise SolverError(f"{name} must be a positive number, got {value}")
+        length = positive_number(length, "length")
+        modulus = positive_number(modulus, "modulus")
+        tolerance = positive_number(tolerance, "tolerance")
         if tolerance > 0.1:
             raise SolverError(f"tolerance must be at most 0.1, got {tolerance}")
-        if precision not in ("mixed", "double"):
+        if not (isinstance(precision, str) and precision in ("mixed", "double")):
             raise SolverError(f"precision must be 'mixed' or 'double', got {precision!r}")
-        if threads is not None and threads < 1:
-            raise SolverError(f"threads must be at least 1, got {threads}")
-        if max_iterations < 1:
-            raise SolverError(f"max_iterations must be at least 1, got {max_iterations}")
-        if not np.isfinite(h).all():
-            place = np.unravel_index(int(np.argmin(np.isfinite(h))), h.shape)
-            raise SolverError(
-                f"heights must be finite, got {h[place]} at index {tuple(map(int, place))}; "
-                "fill or crop missing points first"
-            )
+        if threads is not None:
+            threads = whole_number(threads, "threads")
+        max_iterations = whole_number(max_iterations, "max_iterations")
         memory.check(h.shape, double=precision == "double" or tolerance < FLOAT32_FLOOR)
+        check_heights(h)
+        if h.dtype not in (np.float32, np.float64):
+            h = h.astype(np.float64)
         self.shape = h.shape
         self.spacing = length / h.shape[0]
         self.modulus = modulus
@@ -370,10 +365,17 @@ class _Problem:
         rms = self.solver.rms or 1.0
         self.pressure_unit = modulus * rms / self.spacing
         self.energy_unit = modulus * rms**2 / self.spacing
+        for unit in (self.pressure_unit, self.energy_unit, self.pressure_unit / rms):
+            if not np.finfo(np.float64).tiny <= unit < math.inf:
+                raise SolverError(
+                    f"with a length of {length:g}, a modulus of {modulus:g} and an rms height "
+                    f"of {rms:g} the results leave the range of float64; choose units in which "
+                    "they are nearer to 1"
+                )
 
     def loads(self, pressures: ArrayLike) -> NDArray[np.float64]:
         """Dimensionless nominal pressures."""
-        p: FloatArray = np.asarray(pressures, dtype=np.float64)
+        p: FloatArray = float_array(pressures, "pressures")
         if p.ndim != 1 or p.size == 0:
             raise SolverError(f"pressures must be a list of numbers, got shape {p.shape}")
         bad = ~((p > 0.0) & np.isfinite(p))
