@@ -6,7 +6,7 @@ import functools
 import math
 import os
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -58,12 +58,16 @@ class ContactState:
         certificate.
     iterations, transform_pairs : int
         Work that the state took.
+
+    Notes
+    -----
+    A state holds its two fields and the loaded points, nothing of the solver: it can be
+    copied, pickled and sent to other processes.
     """
 
     def __init__(self, problem: _Problem, solution: Solution | None, load: float) -> None:
-        self._problem = problem
-        self._solution = solution
         solver = problem.solver
+        self._tangent = None if solution is None else _Tangent(problem, solution.points)
         if solution is None:
             self.area_fraction = self.area_fraction_raw = 1.0
             self.mean_separation = 0.0
@@ -83,10 +87,34 @@ class ContactState:
 
     def stiffness(self) -> float:
         """K = −dp/dū at frozen contact, modulus/length; inf at full contact."""
-        if self._solution is None:
-            return math.inf
-        stiffness, _ = self._problem.solver.tangent(self._solution.points)
-        return stiffness * self._problem.pressure_unit / self._problem.solver.rms
+        return math.inf if self._tangent is None else self._tangent.stiffness()
+
+
+class _Tangent:
+    """What the stiffness of a state follows from: the loaded points and the grid.
+
+    The solver would be large, and bound to its process; another one is made when it is
+    asked for.
+    """
+
+    def __init__(self, problem: _Problem, points: WorkingSet) -> None:
+        solver = problem.solver
+        self._points = points
+        self._heights = solver.heights.shape, solver.heights.dtype
+        self._tolerance = solver.tolerance
+        self._options = problem.options
+        self._pressure_unit, self._rms = problem.pressure_unit, solver.rms
+        self._value: float | None = None
+
+    def stiffness(self) -> float:
+        """K, modulus/length; computed once."""
+        if self._value is None:
+            # With the contact frozen the heights do not matter: flat ones will do.
+            solver = Solver(np.zeros(*self._heights), self._tolerance, **self._options)
+            # Of a copy: the tangent problem needs room beside the pressures.
+            value, _ = solver.tangent(self._points.in_contact())
+            self._value = float(value * self._pressure_unit / self._rms)
+        return self._value
 
 
 def solve_contact(
@@ -312,6 +340,14 @@ class _Progress:
         return arrays
 
 
+class _Options(TypedDict):
+    """Those of :class:`Solver`."""
+
+    double: bool
+    threads: int
+    max_iterations: int
+
+
 class _Problem:
     """Checked arguments, the solver on them, and the units between the two."""
 
@@ -348,13 +384,13 @@ class _Problem:
         self.shape = h.shape
         self.spacing = length / h.shape[0]
         self.modulus = modulus
-        self.solver = Solver(
-            h.reshape((1, -1)) if h.ndim == 1 else h,
-            tolerance,
+        self.options = _Options(
             double=precision == "double",
             threads=threads or len(os.sched_getaffinity(0)),
             max_iterations=max_iterations,
         )
+        surface = h.reshape((1, -1)) if h.ndim == 1 else h
+        self.solver = Solver(surface, tolerance, **self.options)
         rms = self.solver.rms
         if not (rms == 0.0 or 1e-152 < rms < 1e152) or (rms == 0.0 and np.ptp(h) > 0):
             raise SolverError(
