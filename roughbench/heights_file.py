@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from roughbench import memory
 from roughbench.errors import SurfaceError
 from roughbench.inputs import check_heights
 
@@ -93,6 +95,15 @@ def _check_layout(shape: tuple[int, ...] | None, dtype: np.dtype[Any], name: str
         raise SurfaceError(
             f"{name}: heights need at least {_FEWEST} points per side, got the shape {shape}"
         )
+    n_points, per_point = math.prod(shape), dtype.itemsize + 8
+    memory.check(
+        per_point * n_points,
+        f"{name}: to read {n_points} heights takes {memory.gigabytes(per_point * n_points)}",
+        lambda room: (
+            f"{room // (dtype.itemsize + 8)} would fit: take a coarser or smaller part"
+        ),
+        SurfaceError,
+    )
 
 
 def _load_npy(path: Path, name: str) -> NDArray[Any]:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roughbench import memory
 from roughbench.errors import RoughbenchError, SolverError
 
 Refusal = type[RoughbenchError]
@@ -143,6 +144,12 @@ def _count_masked(values: object) -> tuple[int, int]:
 
 # -- heights -------------------------------------------------------------------------------
 
+BYTES_PER_POINT = 72
+"""Of memory that a model takes which does not iterate; measured: 70 (winkler)."""
+
+_WORTH_ASKING = 1 << 26
+"""Bytes; to ask the system for its memory takes as long as a short curve."""
+
 LARGEST_ROUNDING = 0.003
 """Most that rounding may be of the differences between neighbours, both as rms values.
 
@@ -154,7 +161,11 @@ _BLOCK = 1 << 20
 
 
 def check_heights(
-    heights: Numbers, fault: str = "heights must be finite", error: Refusal = SolverError
+    heights: Numbers,
+    fault: str = "heights must be finite",
+    error: Refusal = SolverError,
+    *,
+    per_point: int = BYTES_PER_POINT,
 ) -> None:
     """Refuse heights that no model can compute with, whatever it makes of them.
 
@@ -165,16 +176,27 @@ def check_heights(
     fault : str
         What to say of heights that are not finite.
     error : type of RoughbenchError
+    per_point : int
+        Bytes of memory that will be needed for each; 0 where that was checked before.
 
     Raises
     ------
     RoughbenchError
-        Of the class ``error``: if heights are not finite, if the sum of their squares would
+        Of the class ``error``: if they are too many for the memory, before any is looked at;
+        if heights are not finite, if the sum of their squares would
         leave the range of float64, or if they are stored too coarsely for what they show,
         as roughness on a large mean in float32 is.
     """
     if heights.size == 0:
         return
+    wanted = per_point * heights.size
+    if wanted > _WORTH_ASKING:
+        memory.check(
+            wanted,
+            f"{heights.size} heights need about {memory.gigabytes(wanted)}",
+            lambda room: f"{room // per_point} points would fit",
+            error,
+        )
     with np.errstate(invalid="ignore"):
         low, high = float(heights.min()), float(heights.max())  # nan passes through both
     if not (math.isfinite(low) and math.isfinite(high)):

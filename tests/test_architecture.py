@@ -13,6 +13,7 @@ import roughbench
 
 LAYERS = (
     "errors",
+    "memory",
     "inputs",
     "publish",
     "spectrum",

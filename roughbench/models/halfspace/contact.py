@@ -377,8 +377,16 @@ class _Problem:
         if threads is not None:
             threads = whole_number(threads, "threads")
         max_iterations = whole_number(max_iterations, "max_iterations")
-        memory.check(h.shape, double=precision == "double" or tolerance < FLOAT32_FLOOR)
-        check_heights(h)
+        # What makes the solver iterate in float64, and would have to be otherwise.
+        reasons = ["precision: mixed"] * (precision == "double")
+        reasons += [f"tolerance: {FLOAT32_FLOOR:g}"] * (tolerance < FLOAT32_FLOOR)
+        memory.check(
+            h.shape,
+            double=bool(reasons),
+            instead=" with ".join(reasons),
+            converted=h.dtype not in (np.float32, np.float64),
+        )
+        check_heights(h, per_point=0)
         if h.dtype not in (np.float32, np.float64):
             h = h.astype(np.float64)
         self.shape = h.shape
