@@ -232,12 +232,15 @@ def _check_digits(heights: Numbers, top: float, spread: float, error: Refusal) -
     rows = heights.reshape(shape[0], -1)
     step = max(1, _BLOCK // rows.shape[1])
     total = squares = differences = 0.0
+    enough = (_rounding(top, heights) / (LARGEST_ROUNDING * top)) ** 2 * heights.size
     for first in range(0, shape[0], step):
         h = rows[first : first + step + 1].astype(np.float64)
         h /= top
         differences += float(np.square(np.diff(h, axis=0)).sum())
         h = h[:step]
         differences += float(np.square(np.diff(h, axis=1)).sum())
+        if differences >= enough:  # whatever the rest is: mostly after the first block
+            return
         total += float(h.sum())
         squares += float(np.square(h).sum())
     difference = top * math.sqrt(differences / heights.size)
