@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,7 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from roughbench import memory
 from roughbench.errors import SurfaceError
+from roughbench.inputs import check_heights
 
 if TYPE_CHECKING:
     import h5py
@@ -19,6 +22,7 @@ FloatArray = NDArray[np.float64]
 _FEWEST = 4
 """Points per side: fewer carry no wave but the one that alternates from point to point."""
 _MOST_SOFT_LINKS = 16
+_MOST_FILLS = 16
 
 
 def load_heights(path: str | Path, folder: str | Path = ".") -> FloatArray:
@@ -69,7 +73,11 @@ def load_heights(path: str | Path, folder: str | Path = ".") -> FloatArray:
             f"{name}: {len(bad)} of {heights.size} heights are not finite, the first at index "
             f"[{index}]; fill or cut the missing points before"
         )
-    return heights
+    try:
+        check_heights(heights, error=SurfaceError)
+    except SurfaceError as error:
+        raise SurfaceError(f"{name}: {error}") from None
+    return np.ascontiguousarray(heights, np.float64)
 
 
 def _check_layout(shape: tuple[int, ...] | None, dtype: np.dtype[Any], name: str) -> None:
@@ -87,9 +95,18 @@ def _check_layout(shape: tuple[int, ...] | None, dtype: np.dtype[Any], name: str
         raise SurfaceError(
             f"{name}: heights need at least {_FEWEST} points per side, got the shape {shape}"
         )
+    n_points, per_point = math.prod(shape), dtype.itemsize + 8
+    memory.check(
+        per_point * n_points,
+        f"{name}: to read {n_points} heights takes {memory.gigabytes(per_point * n_points)}",
+        lambda room: (
+            f"{room // (dtype.itemsize + 8)} would fit: take a coarser or smaller part"
+        ),
+        SurfaceError,
+    )
 
 
-def _load_npy(path: Path, name: str) -> FloatArray:
+def _load_npy(path: Path, name: str) -> NDArray[Any]:
     if not path.is_file():
         raise SurfaceError(f"{name}: no such file; relative paths start from {path.parent}")
     try:
@@ -101,10 +118,10 @@ def _load_npy(path: Path, name: str) -> FloatArray:
             "numpy.save(path, heights)"
         ) from error
     _check_layout(array.shape, array.dtype, name)
-    return np.ascontiguousarray(array, np.float64)
+    return array
 
 
-def _load_hdf5(path: Path, dataset: str, name: str) -> FloatArray:
+def _load_hdf5(path: Path, dataset: str, name: str) -> NDArray[Any]:
     import h5py
 
     if not path.is_file():
@@ -122,9 +139,28 @@ def _load_hdf5(path: Path, dataset: str, name: str) -> FloatArray:
             )
         _check_layout(found.shape, found.dtype, name)
         try:
-            return np.ascontiguousarray(found[()], np.float64)
+            heights: NDArray[Any] = found[()]
         except (OSError, MemoryError) as error:
             raise SurfaceError(f"{name}: the dataset cannot be read ({error})") from error
+        _refuse_fill_values(heights, found, name)
+        return heights
+
+
+def _refuse_fill_values(heights: NDArray[Any], found: h5py.Dataset, name: str) -> None:
+    """Refuse points that the dataset says are missing, as netCDF writes masked arrays."""
+    for attribute in ("_FillValue", "missing_value"):
+        try:
+            fill = np.ravel(found.attrs.get(attribute, ()))
+        except (OSError, TypeError, ValueError):  # of a type that numbers do not have
+            continue
+        if fill.dtype.kind not in "fiu":
+            continue
+        missing = sum(int(np.count_nonzero(heights == value)) for value in fill[:_MOST_FILLS])
+        if missing:
+            raise SurfaceError(
+                f"{name}: {missing} of {heights.size} heights are marked as missing "
+                f"({attribute} = {fill[0]:g}); fill or cut the missing points before"
+            )
 
 
 def _find_dataset(file: h5py.File, dataset: str, name: str) -> h5py.Dataset:

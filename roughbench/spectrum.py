@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roughbench.errors import SurfaceError
+from roughbench.inputs import check_heights, float_array, real_array, real_number
 
 FloatArray = NDArray[np.float64]
 BelowRolloff = Literal["rolloff", "cutoff"]
@@ -281,10 +282,11 @@ def mode_power(heights: FloatArray) -> FloatArray:
     ndarray of float64, shape (n // 2 + 1,) or (n, m // 2 + 1)
         length²; a mode and its mirror image count together.
     """
-    power: FloatArray = np.abs(np.fft.rfftn(heights, norm="forward")) ** 2
+    h = float_array(heights, "heights", SurfaceError, kinds="buif")
+    power: FloatArray = np.abs(np.fft.rfftn(h, norm="forward")) ** 2
     power *= 2.0  # the other half plane
     power[..., 0] /= 2.0
-    if heights.shape[-1] % 2 == 0:
+    if h.shape[-1] % 2 == 0:
         power[..., -1] /= 2.0
     power.flat[0] = 0.0
     return power
@@ -324,13 +326,14 @@ def measured_spectrum(heights: FloatArray, length: float) -> Spectrum:
     >>> spectrum.edges, round(spectrum.rms_height**2, 12)
     ((2.5, 3.5), 0.005)
     """
-    h = np.asarray(heights, float)
+    h = real_array(heights, "heights", SurfaceError, kinds="buif")
     if h.ndim not in (1, 2) or min(h.shape) < 2:
         raise SurfaceError(
             f"a spectrum needs the heights of a line or a surface, got shape {h.shape}"
         )
-    if not np.isfinite(h).all():
-        raise SurfaceError("a spectrum needs finite heights; fill the missing points first")
+    check_heights(h, "a spectrum needs finite heights", SurfaceError)
+    h = h.astype(np.float64, copy=False)
+    length = real_number(length, "length", SurfaceError)
     if not 0.0 < length < math.inf:
         raise SurfaceError(f"the length of the cell must be positive and finite, got {length}")
     width = 2.0 * math.pi / (length * max(h.shape) / h.shape[0])

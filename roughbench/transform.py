@@ -3,17 +3,19 @@
 Plans are measured once per machine, shape, precision and thread count, and kept as
 FFTW wisdom in the user's cache folder (``ROUGHBENCH_CACHE``, or
 ``$XDG_CACHE_HOME/roughbench``, or ``~/.cache/roughbench``): two measurements may choose
-plans that differ in the last bit of their results, a kept one cannot.
+plans that differ in the last bit of their results, a kept one cannot. What takes long, to
+measure or to wait for another process that measures, is said once in the log of the run.
 """
 
 from __future__ import annotations
 
 import base64
 import contextlib
-import fcntl
 import itertools
 import json
+import logging
 import os
+import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -22,6 +24,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
+
+from roughbench.locks import open_lock, show_life, wait_for_lock
+from roughbench.publish import publish
 
 
 def cache_folder() -> Path:
@@ -33,7 +38,15 @@ def cache_folder() -> Path:
     return (Path(base) if base else Path.home() / ".cache") / "roughbench"
 
 
+_log = logging.getLogger("roughbench.run.plans")
 _planned: set[tuple[tuple[int, int], str, int, Path]] = set()
+_said: set[str] = set()
+"""What this process has said already, or given up: once is enough."""
+
+SILENCE = 3.0
+"""Seconds that nothing is said; most plans take less than one, one for a line minutes."""
+PATIENCE = 30.0
+"""Seconds to wait for a process that keeps the plans locked and does not measure any."""
 
 FEWEST_POINTS = 1 << 17
 """From here on threads gain more than their hand-over costs."""
@@ -84,7 +97,7 @@ class RealTransform:
         real, spectral = self.real, self.spectral
         key = (shape, self.dtype.char, threads, cache_folder())
         # FFTW remembers the plans of this process by itself.
-        with contextlib.nullcontext() if key in _planned else _kept_wisdom(pyfftw):
+        with contextlib.nullcontext() if key in _planned else _kept_wisdom(pyfftw, shape):
             self._steps = {
                 "rows": [_plan(real[b], spectral[b], 1) for b in rows],
                 "rows back": [_plan(spectral[b], real[b], 1, back=True) for b in rows],
@@ -140,37 +153,90 @@ def _blocks(count: int, threads: int, unit: int) -> list[slice]:
 
 
 @contextlib.contextmanager
-def _kept_wisdom(fftw: ModuleType) -> Iterator[None]:
+def _kept_wisdom(fftw: ModuleType, shape: tuple[int, int]) -> Iterator[None]:
     """Plan with the wisdom of earlier plans, and add what this one learns to it.
 
-    The lock makes processes that start together measure one after the other, so that
-    all of them use the first one's plans. Without a writable cache folder the plans
-    are still measured, only not kept.
+    A lock makes processes that start together measure one after the other, so that all of
+    them use the first one's plans. Where the file system knows no locks they may measure
+    at once, and one's plans are kept. Without a writable cache folder, and where another
+    process keeps the lock for too long, the plans are measured all the same, only not kept.
     """
+    folder = cache_folder()
+    path = folder / "fftw-wisdom.json"
     try:
-        folder = cache_folder()
         folder.mkdir(parents=True, exist_ok=True)
-        lock = (folder / "fftw-wisdom.lock").open("w")
+        lock = open_lock(folder / "fftw-wisdom.lock")
     except OSError:
-        yield
+        with _planning(shape, None):
+            yield
         return
-    with lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        path = folder / "fftw-wisdom.json"
+    try:
+        mine = _wait_for(lock, folder) is not False
         kept = _read_wisdom(path)
         if kept is not None:
             fftw.import_wisdom(kept)
-        yield
+        with _planning(shape, lock if mine else None):
+            yield
         learned = fftw.export_wisdom()
-        if learned != kept:
+        if mine and learned != kept:
             text = json.dumps([base64.b64encode(part).decode("ascii") for part in learned])
-            partial = path.with_suffix(f".{os.getpid()}.tmp")
-            try:
-                partial.write_text(text)
-                partial.replace(path)
-            except OSError:  # a full disk: the plans hold for this process
-                with contextlib.suppress(OSError):
-                    partial.unlink()
+            with contextlib.suppress(OSError):  # a full disk: they hold for this process
+                publish(lambda file: file.write(text.encode()), path)
+    finally:
+        os.close(lock)  # and with it the lock
+
+
+def _wait_for(lock: int, folder: Path) -> bool | None:
+    """Wait for the lock on the kept plans; only once for one that nobody lets go of."""
+    place = str(folder)
+    held = wait_for_lock(
+        lock,
+        0.0 if f"gave up {place}" in _said else PATIENCE,
+        SILENCE,
+        lambda: _say(
+            f"waiting {place}",
+            f"waiting for another process that measures FFTW's plans ({folder}); if it does "
+            f"not go on, for {PATIENCE:.0f} s",
+        ),
+    )
+    if held is False:
+        _say(
+            f"gave up {place}",
+            f"another process keeps {folder / 'fftw-wisdom.lock'} locked; going on with plans "
+            "of this one's own, which are not kept and may change the last digits of results",
+        )
+    return held
+
+
+@contextlib.contextmanager
+def _planning(shape: tuple[int, int], lock: int | None) -> Iterator[None]:
+    """Plan; meanwhile say that it takes long, and show those who wait that it goes on."""
+    planned = threading.Event()
+    size = " × ".join(str(n) for n in shape if n > 1)
+
+    def watch() -> None:
+        while not planned.wait(SILENCE):
+            if lock is not None:
+                show_life(lock)
+            _say(
+                "measuring",
+                f"measuring FFTW's plans for {size} points, once on this machine; that can "
+                "take minutes for long lines",
+            )
+
+    thread = threading.Thread(target=watch, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        planned.set()
+        thread.join()
+
+
+def _say(what: str, text: str) -> None:
+    if what not in _said:
+        _said.add(what)
+        _log.warning(text)
 
 
 def _read_wisdom(path: Path) -> tuple[bytes, ...] | None:

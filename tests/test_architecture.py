@@ -13,6 +13,9 @@ import roughbench
 
 LAYERS = (
     "errors",
+    "locks",
+    "memory",
+    "inputs",
     "publish",
     "spectrum",
     "surface",
@@ -45,6 +48,7 @@ OWNERS = {
     "click": {"cli"},
     "dask_jobqueue": {"runner"},
     "distributed": {"runner"},
+    "filelock": {"locks"},
     "h5py": {"heights_file", "store"},
     "matplotlib": {"figures"},
     "numba": {"models"},

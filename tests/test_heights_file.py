@@ -132,6 +132,40 @@ def test_text_times_and_records_are_no_heights(tmp_path: Path) -> None:
             load_heights(f"{path}:/{name}")
 
 
+@pytest.mark.parametrize("attribute", ["_FillValue", "missing_value"])
+def test_points_that_a_file_marks_as_missing_are_refused(
+    tmp_path: Path, attribute: str
+) -> None:
+    """As netCDF writes masked arrays; a fill value may well look like a height."""
+    array = GOOD.copy()
+    array[2, 1] = array[4, 3] = -9.0
+    path = save_hdf5(tmp_path, h=array, whole=GOOD, odd=GOOD)
+    with h5py.File(path, "a") as file:
+        file["h"].attrs[attribute] = np.array([-9.0])
+        file["whole"].attrs[attribute] = -9.0
+        file["odd"].attrs[attribute] = "none"
+    message = rf"2 of 24 heights are marked as missing \({attribute} = -9\); fill or cut"
+    with pytest.raises(SurfaceError, match=message):
+        load_heights(f"{path}:/h")
+    for name in ("whole", "odd"):
+        np.testing.assert_array_equal(load_heights(f"{path}:/{name}"), GOOD)
+
+
+@pytest.mark.parametrize("kind", ["npy", "hdf5"])
+def test_heights_stored_too_coarsely_are_refused(tmp_path: Path, kind: str) -> None:
+    def name_of(array: NDArray[np.floating]) -> str:
+        if kind == "npy":
+            return str(save(tmp_path, array))
+        return f"{save_hdf5(tmp_path, h=array)}:/h"
+
+    fine = (GOOD + 1e3).astype(np.float32)
+    np.testing.assert_array_equal(load_heights(name_of(fine)), fine.astype(float))
+    name = name_of((GOOD + 1e6).astype(np.float32))
+    with pytest.raises(SurfaceError, match="heights of float32 with a mean of 1e") as caught:
+        load_heights(name)
+    assert str(caught.value).startswith(f"{name}: ")
+
+
 # Faults of .npy files -------------------------------------------------------------------------
 
 

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import errno
+import fcntl
 import json
 import os
 import subprocess
 import sys
 import threading
+import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from roughbench import transform as transform_module
 from roughbench.transform import FEWEST_POINTS, RealTransform, cache_folder
 
 SHAPES = [
@@ -186,3 +192,145 @@ def test_processes_that_start_together_use_the_same_plans() -> None:
     assert [process.returncode for process in running] == [0, 0, 0]
     assert len(set(printed)) == 1
     assert len(printed[0]) == 64
+
+
+# -- locks, and what takes long --------------------------------------------------------------
+
+HOLDER = """\
+import fcntl, os, sys, time
+file = open(sys.argv[1], "a")
+fcntl.flock(file, fcntl.LOCK_EX)
+print("held", flush=True)
+while True:
+    time.sleep(0.1)
+    if sys.argv[2] == "alive":
+        os.utime(file.fileno())
+"""
+SLOW = 0.3
+
+
+@pytest.fixture
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(transform_module, "PATIENCE", 1.0)
+    monkeypatch.setattr(transform_module, "SILENCE", SLOW)
+    monkeypatch.setattr(transform_module, "_said", set())
+
+
+@pytest.fixture
+def hold(own_cache: Path) -> Iterator[Callable[[str], subprocess.Popen[str]]]:
+    holders: list[subprocess.Popen[str]] = []
+
+    def start(how: str) -> subprocess.Popen[str]:
+        own_cache.mkdir(exist_ok=True)
+        command = [sys.executable, "-c", HOLDER, str(own_cache / "fftw-wisdom.lock"), how]
+        holder = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        holders.append(holder)
+        assert holder.stdout is not None
+        assert holder.stdout.readline() == "held\n"
+        return holder
+
+    yield start
+    for holder in holders:
+        holder.kill()
+        holder.communicate()
+
+
+def transforms_right(shape: tuple[int, int] = (6, 8)) -> None:
+    transform = RealTransform(shape, np.float64)
+    transform.real[...] = 2.0
+    transform.forward()
+    assert transform.spectral[0, 0] == 2.0 * shape[0] * shape[1]
+
+
+@pytest.mark.usefixtures("quick")
+def test_plans_that_somebody_keeps_locked_are_not_waited_for_for_ever(
+    own_cache: Path,
+    hold: Callable[[str], subprocess.Popen[str]],
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    """Two lines are said, once; then the process goes on with plans of its own."""
+    hold("idle")
+    start = time.monotonic()
+    transforms_right((6, 8))
+    assert 1.0 <= time.monotonic() - start < 10.0
+    start = time.monotonic()
+    transforms_right((6, 10))
+    transforms_right((6, 12))
+    assert time.monotonic() - start < 1.0
+    told = [record.getMessage() for record in caplog.records]
+    assert len(told) == 2
+    assert told[0].startswith("waiting for another process that measures FFTW's plans")
+    assert "locked; going on with plans of this one's own" in told[1]
+    assert not (own_cache / "fftw-wisdom.json").exists()
+
+
+@pytest.mark.usefixtures("quick")
+def test_a_process_that_goes_on_measuring_is_waited_for(
+    own_cache: Path, hold: Callable[[str], subprocess.Popen[str]]
+) -> None:
+    holder = hold("alive")
+    threading.Timer(2.5, holder.kill).start()
+    start = time.monotonic()
+    transforms_right()
+    assert time.monotonic() - start > 2.0  # longer than the patience
+    assert (own_cache / "fftw-wisdom.json").exists()
+
+
+@pytest.mark.usefixtures("quick")
+def test_long_planning_is_said_once_and_shows_life(
+    own_cache: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    plan = transform_module._plan
+    stamps = []
+
+    def slow(*args: Any, **options: Any) -> Any:
+        time.sleep(2.5 * SLOW)
+        stamps.append((own_cache / "fftw-wisdom.lock").stat().st_mtime_ns)
+        return plan(*args, **options)
+
+    monkeypatch.setattr(transform_module, "_plan", slow)
+    transforms_right((1, 16))
+    transforms_right((1, 18))
+    told = [record.getMessage() for record in caplog.records]
+    assert len(told) == 1
+    assert told[0].startswith(
+        "measuring FFTW's plans for 16 points, once on this machine; that"
+    )
+    assert caplog.records[0].name == "roughbench.run.plans"  # with the log of a run
+    assert len(set(stamps)) == len(stamps)
+
+
+@pytest.mark.parametrize("fault", [errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP, errno.EINVAL])
+@pytest.mark.usefixtures("quick")
+def test_where_locks_do_not_work_plans_are_kept_all_the_same(
+    own_cache: Path, monkeypatch: pytest.MonkeyPatch, fault: int
+) -> None:
+    def flock(*_: object) -> None:
+        raise OSError(fault, os.strerror(fault))
+
+    monkeypatch.setattr(fcntl, "flock", flock)
+    start = time.monotonic()
+    transforms_right()
+    assert time.monotonic() - start < SLOW + 5.0
+    assert len(json.loads((own_cache / "fftw-wisdom.json").read_text())) == 3
+
+
+@pytest.mark.parametrize("name", ["fftw-wisdom.lock", "fftw-wisdom.json"])
+@pytest.mark.usefixtures("quick")
+def test_a_link_in_the_cache_overwrites_nothing(
+    own_cache: Path, tmp_path: Path, name: str
+) -> None:
+    precious = tmp_path / "precious"
+    precious.write_text("words")
+    own_cache.mkdir()
+    (own_cache / name).symlink_to(precious)
+    transforms_right((6, 14))
+    assert precious.read_text() == "words"
+
+
+def test_a_lock_file_keeps_what_is_in_it(own_cache: Path) -> None:
+    own_cache.mkdir()
+    lock = own_cache / "fftw-wisdom.lock"
+    lock.write_text("words")
+    transforms_right((6, 16))
+    assert lock.read_text() == "words"

@@ -7,6 +7,7 @@ import functools
 import numpy as np
 from numpy.typing import ArrayLike
 
+from roughbench.inputs import float_array
 from roughbench.models.base import Curve, Fields, Solved
 
 
@@ -36,7 +37,7 @@ def spring_fields(
     >>> fields.pressure.tolist(), fields.gap.tolist()
     ([1.5, 0.5, 0.0, 0.0], [0.0, 0.0, 1.5, 1.5])
     """
-    h = np.asarray(heights, float)
+    h = float_array(heights, "heights", kinds="buif")
     overlap = h - (separation + h.mean() - pressure / modulus)
     return Fields(modulus * np.maximum(overlap, 0.0), np.maximum(-overlap, 0.0), modulus)
 

@@ -7,8 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from roughbench.errors import SolverError
+from roughbench.models._checks import checked_heights
 from roughbench.models.base import FloatArray
 
 
@@ -34,7 +36,7 @@ class Summits:
     nominal_area: float
 
 
-def find_summits(heights: FloatArray, length: float) -> Summits:
+def find_summits(heights: ArrayLike, length: float) -> Summits:
     """Return the summits of periodic heights, from Fourier derivatives.
 
     A point not lower than its eight neighbours is taken for a summit; one Newton step
@@ -58,11 +60,9 @@ def find_summits(heights: FloatArray, length: float) -> Summits:
     SolverError
         If the heights are no surface, not finite, or without a summit.
     """
-    h = np.asarray(heights, float)
+    h = checked_heights(heights, "the heights of the surface must be finite")
     if h.ndim != 2 or min(h.shape) < 3:
         raise SolverError(f"summits need the heights of a surface, got shape {h.shape}")
-    if not np.isfinite(h).all():
-        raise SolverError("the heights of the surface must be finite")
     h = h - h.mean()
     place = np.flatnonzero(_highest_of_nine(h))
     spacing = length / h.shape[0]

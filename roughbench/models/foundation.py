@@ -43,7 +43,12 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 
 from roughbench.errors import SolverError
-from roughbench.models._checks import checked_length, checked_pressures
+from roughbench.models._checks import (
+    checked_heights,
+    checked_length,
+    checked_pressures,
+    refuse_overflow,
+)
 from roughbench.models._springs import hand_out_fields
 from roughbench.models.base import Curve, FloatArray, Model, Sample, Solved, Status
 from roughbench.spectrum import Spectrum
@@ -79,11 +84,9 @@ class _Events:
 def _events(heights: ArrayLike, length: float, ends: Ends) -> _Events:
     from roughbench.models._foundation_loops import accumulate, grow_regions
 
-    h = np.asarray(heights, float)
+    h = checked_heights(heights, "the heights of the line must be finite")
     if h.ndim != 1 or h.size == 0:
         raise SolverError(f"the foundation needs the heights of a line, got shape {h.shape}")
-    if not np.isfinite(h).all():
-        raise SolverError("the heights of the line must be finite")
     n = h.size
     order = np.argsort(-h, kind="stable")
     depth = h[order[0]] - h[order]
@@ -179,8 +182,8 @@ def foundation_curve(
     """
     p = checked_pressures(pressures)
     side = checked_length(length)
-    with np.errstate(under="ignore"):
-        return _evaluate(_events(heights, side, ends), p, side)
+    with np.errstate(all="ignore"):
+        return refuse_overflow(_evaluate(_events(heights, side, ends), p, side))
 
 
 def _evaluate(events: _Events, p: FloatArray, length: float) -> Curve:

@@ -165,7 +165,7 @@ def counted_gw_curve(heights: ArrayLike, pressures: ArrayLike, length: float) ->
         If the heights have no summit, or a pressure is not positive.
     """
     p = checked_pressures(pressures)
-    summits = find_summits(np.asarray(heights, float), checked_length(length))
+    summits = find_summits(heights, checked_length(length))
     curvature = np.full(summits.height.shape, float(summits.mean_curvature.mean()))
     return counted_curve(summits.height, curvature, summits.nominal_area, p)
 

@@ -159,7 +159,7 @@ def counted_elliptic_curve(heights: ArrayLike, pressures: ArrayLike, length: flo
         If the heights have no summit, or a pressure is not positive.
     """
     p = checked_pressures(pressures)
-    summits = find_summits(np.asarray(heights, float), checked_length(length))
+    summits = find_summits(heights, checked_length(length))
     return counted_curve(summits.height, summits.effective_curvature, summits.nominal_area, p)
 
 

@@ -50,7 +50,12 @@ from numpy.typing import ArrayLike
 from pydantic import Field
 
 from roughbench.errors import SolverError, SurfaceError
-from roughbench.models._checks import checked_length, checked_pressures
+from roughbench.models._checks import (
+    checked_heights,
+    checked_length,
+    checked_positive,
+    checked_pressures,
+)
 from roughbench.models._grids import GridOption, HeightsOrSpectrum
 from roughbench.models.base import Curve, FloatArray, Sample, Solved, Status
 from roughbench.spectrum import Spectrum, power_integral, wavenumbers
@@ -95,7 +100,7 @@ def asperity_of_spectrum(spectrum: Spectrum, length: float, reach: float = REACH
     -------
     Asperity
     """
-    side, c = checked_length(length), _checked_reach(reach)
+    side, c = checked_length(length), checked_positive(reach, "reach")
     radii = _radii(c / spectrum.q_max, c / spectrum.q_min)
     fourth = [spectrum.moment(4, max(c / r, spectrum.q_min)) for r in radii]
     return Asperity(_likely_top(spectrum, side), radii, np.sqrt(fourth) / 2.0)
@@ -122,12 +127,10 @@ def asperity_of_heights(heights: ArrayLike, length: float, reach: float = REACH)
     SolverError
         If the heights are no surface, not finite or flat, or not rounded at their top.
     """
-    side, c = checked_length(length), _checked_reach(reach)
-    h = np.asarray(heights, float)
+    side, c = checked_length(length), checked_positive(reach, "reach")
+    h = checked_heights(heights, "the heights of the surface must be finite")
     if h.ndim != 2 or min(h.shape) < 2:
         raise SolverError(f"the highest asperity needs a surface, got shape {h.shape}")
-    if not np.isfinite(h).all():
-        raise SolverError("the heights of the surface must be finite")
     x, y = np.unravel_index(int(np.argmax(h)), h.shape)
     modes = np.fft.rfft2(h - h.mean(), norm="forward")
     modes *= np.exp(2j * math.pi * x * np.fft.fftfreq(h.shape[0]))[:, None]
@@ -257,7 +260,7 @@ def finite_size_prefactor(spectrum: Spectrum, reach: float = REACH) -> float:
     >>> round(finite_size_prefactor(spectrum), 2)
     1.99
     """
-    c = _checked_reach(reach)
+    c = checked_positive(reach, "reach")
     hurst, q_rolloff = spectrum.hurst, spectrum.q_rolloff
     if hurst is None or q_rolloff is None:
         raise SurfaceError("θ needs a Hurst exponent and a roll-off: a self-affine spectrum")
@@ -294,12 +297,6 @@ def _radii(smallest: float, largest: float) -> FloatArray:
         return np.array([smallest])
     count = max(2, math.ceil(math.log(largest / smallest) / _STEP) + 1)
     return np.geomspace(smallest, largest, count)
-
-
-def _checked_reach(reach: float) -> float:
-    if not 0.0 < reach < math.inf:
-        raise SolverError(f"reach must be positive and finite, got {reach}")
-    return float(reach)
 
 
 class HertzTop(HeightsOrSpectrum):

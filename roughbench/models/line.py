@@ -30,6 +30,7 @@ from numpy.typing import ArrayLike
 from pydantic import Field
 
 from roughbench.errors import SolverError
+from roughbench.inputs import float_array
 from roughbench.models._checks import checked_length
 from roughbench.models._grids import GridOption, chosen_grid
 from roughbench.models.base import (
@@ -73,7 +74,7 @@ def single_contact_stiffness(width: ArrayLike, length: float) -> FloatArray:
     [4.53236, inf]
     """
     period = checked_length(length)
-    share = np.asarray(width, float) / period
+    share = float_array(width, "widths") / period
     if not ((share > 0.0) & (share <= 1.0)).all():
         raise SolverError("the width of a contact must lie between 0 and the period")
     with np.errstate(divide="ignore"):

@@ -50,7 +50,8 @@ from numpy.typing import ArrayLike
 from pydantic import Field
 
 from roughbench.errors import SolverError, SurfaceError
-from roughbench.models._checks import checked_length, checked_pressures
+from roughbench.inputs import real_number
+from roughbench.models._checks import checked_length, checked_positive, checked_pressures
 from roughbench.models._persson_quadrature import Quadrature, make_quadrature
 from roughbench.models.base import Curve, FloatArray, Model, Sample, Solved, Status
 from roughbench.spectrum import Spectrum
@@ -141,7 +142,7 @@ def _evaluate(rule: Quadrature, p: FloatArray, gamma: float) -> Curve:
 
 
 def _check_gamma(gamma: float) -> None:
-    if not 0.0 < gamma <= 1.0:
+    if not 0.0 < real_number(gamma, "gamma") <= 1.0:
         raise SolverError(f"gamma must satisfy 0 < gamma <= 1, got {gamma}")
 
 
@@ -342,8 +343,7 @@ def finite_size_stiffness(
     """
     p = checked_pressures(pressures)
     side = checked_length(length)
-    if not 0.0 < theta < math.inf:
-        raise SolverError(f"theta must be positive and finite, got {theta}")
+    theta = checked_positive(theta, "theta")
     hurst, q_rolloff = spectrum.hurst, spectrum.q_rolloff
     if hurst is None or q_rolloff is None:
         raise SurfaceError(

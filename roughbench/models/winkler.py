@@ -45,7 +45,12 @@ from numpy.typing import ArrayLike
 from pydantic import Field
 
 from roughbench.errors import SolverError, SurfaceError
-from roughbench.models._checks import checked_length, checked_pressures
+from roughbench.models._checks import (
+    checked_heights,
+    checked_positive,
+    checked_pressures,
+    refuse_overflow,
+)
 from roughbench.models._gaussian_excess import log_excess
 from roughbench.models._grids import GridOption, HeightsOrSpectrum
 from roughbench.models._springs import hand_out_fields
@@ -70,8 +75,8 @@ class _Events:
 def _events(heights: ArrayLike) -> _Events:
     from roughbench.models._foundation_loops import accumulate
 
-    h = np.asarray(heights, float).ravel()
-    if h.size == 0 or not np.isfinite(h).all():
+    h = checked_heights(heights, "the springs need finite heights").ravel()
+    if h.size == 0:
         raise SolverError("the springs need finite heights, at least one")
     n = h.size
     level = np.sort(h)[::-1]
@@ -124,20 +129,23 @@ def winkler_curve(heights: ArrayLike, pressures: ArrayLike, modulus: float) -> C
     ([0.5, 0.5], [0.75, 0.25], [1.0, 1.0])
     """
     p = checked_pressures(pressures)
-    k_w = _checked_modulus(modulus)
-    events = _events(heights)
+    k_w = checked_positive(modulus, "the springs' modulus")
+    with np.errstate(all="ignore"):
+        return refuse_overflow(_evaluate(_events(heights), p, k_w))
+
+
+def _evaluate(events: _Events, p: FloatArray, k_w: float) -> Curve:
     n = events.depth.size
     load = n * p / k_w  # Σδ
-    with np.errstate(under="ignore"):
-        k = np.searchsorted(events.compressed, load, side="right")
-        last = k - 1
-        sink = (load - events.compressed[last]) / k
-        following = np.minimum(k, n - 1)
-        room = events.depth[following] - events.depth[last] - sink
-        gap = np.where(k < n, events.gap[following] + (n - k) * np.maximum(room, 0.0), 0.0)
-        work = events.work[last] + (1.0 - k / n) * sink * (events.compressed[last] + load) / (
-            2.0 * n
-        )
+    k = np.searchsorted(events.compressed, load, side="right")
+    last = k - 1
+    sink = (load - events.compressed[last]) / k
+    following = np.minimum(k, n - 1)
+    room = events.depth[following] - events.depth[last] - sink
+    gap = np.where(k < n, events.gap[following] + (n - k) * np.maximum(room, 0.0), 0.0)
+    work = events.work[last] + (1.0 - k / n) * sink * (events.compressed[last] + load) / (
+        2.0 * n
+    )
     stiffness = np.full(p.shape, math.inf)
     partial = k < n
     stiffness[partial] = k_w * k[partial] / (n - k[partial])
@@ -182,8 +190,8 @@ def gaussian_winkler_curve(rms_height: float, pressures: ArrayLike, modulus: flo
     from scipy.special import log_ndtr
 
     p = checked_pressures(pressures)
-    k_w = _checked_modulus(modulus)
-    h = checked_length(rms_height)
+    k_w = checked_positive(modulus, "the springs' modulus")
+    h = checked_positive(rms_height, "the rms height")
     load = np.log(p / (k_w * h))
     t = _level(load)
     gap = log_excess((1.0,), -t)[0]  # t + φ - tQ
@@ -266,12 +274,6 @@ def matched_modulus(sample: Sample) -> float:
         raise SurfaceError("flat heights choose no modulus for the springs; set modulus")
     q = wavenumbers(sample.heights.shape, sample.length)
     return float((power * q).sum()) / (2.0 * total)
-
-
-def _checked_modulus(modulus: float) -> float:
-    if not 0.0 < modulus < math.inf:
-        raise SolverError(f"the springs' modulus must be positive and finite, got {modulus}")
-    return float(modulus)
 
 
 class Winkler(HeightsOrSpectrum):

@@ -25,6 +25,7 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roughbench.inputs import float_array
 from roughbench.models.base import Fields
 from roughbench.observables.clusters import Patches, clusters, find_patches
 from roughbench.observables.distributions import (
@@ -108,8 +109,8 @@ def of_state(state: _State, length: float, units: Units, modulus: float = 1.0) -
     Field
     """
     return Field(
-        pressure=np.asarray(state.pressure, float) / modulus,
-        gap=np.asarray(state.gap, float),
+        pressure=float_array(state.pressure, "pressures") / modulus,
+        gap=float_array(state.gap, "gaps"),
         length=length,
         rms_slope=units.rms_slope,
         rms_height=units.rms_height,

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roughbench.errors import SolverError
+from roughbench.inputs import real_array
 
 FloatArray = NDArray[np.float64]
 
@@ -76,6 +77,8 @@ class Field:
         SolverError
             If shapes differ, or values are not finite or out of their range.
         """
+        for name in ("pressure", "gap"):
+            real_array(getattr(self, name), f"values of {name}")
         if self.pressure.shape != self.gap.shape or self.pressure.ndim not in (1, 2):
             raise SolverError(
                 "pressure and gap must be of one shape, (n,) or (n, m), got "

@@ -16,7 +16,6 @@ its realizations and the SHA-256 of its bytes, published in one step.
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import hashlib
 import io
 import json
@@ -34,11 +33,13 @@ from typing import IO, Any
 import numpy as np
 
 from roughbench.errors import LockedError, StoreError
+from roughbench.locks import open_lock, try_lock
 from roughbench.models.base import FloatArray
 from roughbench.publish import commit, remove_leftovers
 from roughbench.runner.checkpoint import Checkpoint
 from roughbench.runner.compute import Block
 from roughbench.runner.identity import Identity, key_of
+from roughbench.runner.journal import log
 from roughbench.runner.plan import Task
 from roughbench.runner.usage import Usage, now
 from roughbench.variables import STORABLE, fits
@@ -48,7 +49,7 @@ FORMAT = "roughbench shard 1"
 
 _NAME = re.compile(r"(\d+)-(\d+)\.([0-9a-f]{16})\.npz", re.ASCII)
 _META = "roughbench"
-_TRIES, _PAUSE = 6, 0.1
+_TRIES, _PAUSE, _GLANCE = 6, 0.1, 0.01
 
 
 class ShardError(StoreError):
@@ -160,18 +161,23 @@ class RunFolder:
         path = self.path / "lock"
         for attempt in range(_TRIES):
             time.sleep(_PAUSE * (attempt > 0))
-            file = path.open("a+")
+            file = os.fdopen(open_lock(path), "r+", encoding="utf-8")
             try:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                # Another process may have removed the folder between open and flock.
-                if os.fstat(file.fileno()).st_ino == path.stat().st_ino:
+                held = try_lock(file.fileno())
+                if held is None:
+                    log.warning(
+                        "the file system of %s knows no locks: a second run with the same "
+                        "output would not be kept out; start none while this one works",
+                        self.path,
+                    )
                     return file
-            except BlockingIOError:  # a run, or someone who only looks who is there
-                pass
+                # Another process may have removed the folder between open and lock.
+                if held and os.fstat(file.fileno()).st_ino == path.stat().st_ino:
+                    return file
             except BaseException:
                 file.close()
                 raise
-            file.close()
+            file.close()  # of a run, or of someone who only looks who is there
         raise LockedError(self._locked_message())
 
     def _write_holder(self, file: IO[str], command: str) -> None:
@@ -201,11 +207,12 @@ class RunFolder:
     def holder(self) -> dict[str, Any]:
         """Return what the run in the folder says of itself; empty for none."""
         with contextlib.suppress(OSError, ValueError), (self.path / "lock").open() as file:
-            try:
-                fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
-            except BlockingIOError:
-                found = json.loads(file.read() or "{}")
-                return found if isinstance(found, dict) and found else {"process": "?"}
+            for attempt in range(_TRIES):  # who only looks, as here, has it for a moment
+                time.sleep(_GLANCE * (attempt > 0))
+                if try_lock(file.fileno()) is not False:
+                    return {}
+            found = json.loads(file.read() or "{}")
+            return found if isinstance(found, dict) and found else {"process": "?"}
         return {}
 
     def _remove_leftovers(self) -> None:

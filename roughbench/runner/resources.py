@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 from roughbench.errors import RoughbenchError
+from roughbench.inputs import BYTES_PER_POINT
+from roughbench.memory import gigabytes, room
 from roughbench.models.halfspace import HalfSpace
-from roughbench.models.halfspace.memory import available as available_here
 from roughbench.models.halfspace.memory import needed
 from roughbench.models.line import Line
-from roughbench.runner.plan import Cell, Task
+from roughbench.runner.plan import NOTHING, Cell, Task
 
 GRID_FOR_ALL_CORES = 1536
 """Points per side from which one task with all cores beats several with one each."""
 
 _PROCESS = 300 * 2**20
 """Bytes of a process with its libraries; measured: 260 MB."""
-_PER_POINT = 72
-"""Bytes per point for a model that does not solve; measured: 70 (winkler)."""
 _PER_POINT_OBSERVED = 60
 """Bytes per point to take observables from a state; measured: 43, beside its fields."""
 _PER_POINT_OF_FIELD = 16
@@ -30,7 +27,6 @@ _FRACTION = 0.8
 _SECONDS_WORTH_PROCESSES = 4.0
 
 _UNITS = {"": 1, "K": 2**10, "M": 2**20, "G": 2**30, "T": 2**40}
-_CGROUP = Path("/sys/fs/cgroup")
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,12 +42,15 @@ class Sharing:
     memory : int
         Bytes that all tasks together may take.
     cores : int
+    limit : str
+        What sets the memory, in words; empty where it was given.
     """
 
     jobs: int | None
     given_threads: int | None
     memory: int
     cores: int
+    limit: str = ""
 
     def threads(self, cell: Cell) -> int:
         """Return the threads of a cell's tasks.
@@ -113,11 +112,15 @@ def sharing(
     for name, value in (("jobs", jobs), ("threads", threads)):
         if value is not None and value < 1:
             raise RoughbenchError(f"{name} must be at least 1, got {value}")
-    memory = in_bytes(max_memory) if max_memory is not None else None
-    if memory is None:
-        room = available_memory()
-        memory = int(_FRACTION * room) if room is not None else 2**62
-    return Sharing(jobs, threads, memory, available_cores())
+    if max_memory is not None:
+        return Sharing(jobs, threads, in_bytes(max_memory), available_cores())
+    here = room()
+    if here is None:
+        return Sharing(jobs, threads, 2**62, available_cores())
+    # The rest is for what holds the run together, and assembles its results.
+    memory = int(_FRACTION * here.size)
+    limit = f"{_FRACTION:.0%} of what there is: {here}"
+    return Sharing(jobs, threads, memory, available_cores(), limit)
 
 
 def in_bytes(text: int | str) -> int:
@@ -149,7 +152,7 @@ def memory_of(task: Task) -> int:
     if isinstance(model, HalfSpace | Line):
         memory += 8 * n_points + needed(n_points, double=model.precision == "double")
     else:
-        memory += _PER_POINT * n_points
+        memory += BYTES_PER_POINT * n_points
     if task.cell.asked.observables:
         memory += _PER_POINT_OBSERVED * n_points
     # Once as they come, once more in the block of the task and in its shard.
@@ -163,34 +166,32 @@ def check_memory(tasks: Sequence[Task], limits: Sharing) -> None:
     Raises
     ------
     RoughbenchError
-        Names the largest, and what may be had.
+        Names the largest, what may be had, and what would help.
     """
     largest = max(tasks, key=memory_of, default=None)
     if largest is not None and memory_of(largest) > limits.memory:
+        limit = f", {limits.limit}" if limits.limit else ""
         raise RoughbenchError(
-            f"{largest} needs about {memory_of(largest) / 1e9:.1f} GB, and all tasks together "
-            f"may take {limits.memory / 1e9:.1f} GB; allow more with --max-memory, or take a "
-            "smaller grid or a larger machine"
+            f"{largest} needs about {gigabytes(memory_of(largest))}, and all tasks together "
+            f"may take {gigabytes(limits.memory)}{limit}; "
+            f"{', or '.join(_remedies(largest, limits))}"
         )
 
 
-def available_memory() -> int | None:
-    """Return the bytes that can be had, for this machine and the limits of its control group.
-
-    None where the system does not say.
-    """
-    limits = [available_here()]
-    with contextlib.suppress(OSError, ValueError, IndexError):
-        own = Path("/proc/self/cgroup").read_text().split("::", 1)[1].split("\n")[0]
-        group = _CGROUP / own.lstrip("/")
-        for folder in (group, *group.parents):
-            if folder == _CGROUP.parent:
-                break
-            with contextlib.suppress(OSError, ValueError):
-                limit = int((folder / "memory.max").read_text())
-                limits.append(limit - int((folder / "memory.current").read_text()))
-    known = [limit for limit in limits if limit is not None]
-    return max(0, min(known)) if known else None
+def _remedies(task: Task, limits: Sharing) -> Iterator[str]:
+    """Yield what would make room for a task."""
+    cell = task.cell
+    here = room()
+    if here is None or memory_of(task) <= here.size:
+        yield "allow more with --max-memory"
+    if isinstance(cell.model, HalfSpace | Line) and cell.model.precision == "double":
+        mixed = cell.model.model_copy(update={"precision": "mixed"})
+        if memory_of(replace(task, cell=replace(cell, model=mixed))) <= limits.memory:
+            yield "choose precision: mixed"
+    bare = replace(task, cell=replace(cell, asked=NOTHING))
+    if memory_of(bare) < memory_of(task) and memory_of(bare) <= limits.memory:
+        yield "ask for no observables and fields"
+    yield "take a smaller grid or a larger machine"
 
 
 def available_cores() -> int:

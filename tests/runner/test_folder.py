@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import errno
+import fcntl
 import json
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -194,6 +197,49 @@ def test_one_run_at_a_time(folder: RunFolder) -> None:
     assert folder.holder() == {}
     with folder.locked("the third"):
         pass
+
+
+def test_who_looks_who_is_there_is_not_taken_for_a_run(folder: RunFolder) -> None:
+    """However many look at once, and whatever a run that was killed left in the file."""
+    with folder.locked("a run"):
+        pass
+    (folder.path / "lock").write_text('{"process": 1, "command": "killed"}')
+    with ThreadPoolExecutor(8) as pool:
+        assert list(pool.map(lambda _: folder.holder(), range(200))) == [{}] * 200
+
+
+@pytest.mark.parametrize("fault", [errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP])
+def test_where_locks_do_not_work_a_run_goes_on_and_says_so(
+    folder: RunFolder,
+    task: Task,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+    fault: int,
+) -> None:
+    def flock(*_: object) -> None:
+        raise OSError(fault, os.strerror(fault))
+
+    monkeypatch.setattr(fcntl, "flock", flock)
+    path, block, _ = written(folder, task)
+    assert_same(folder.read(path), task, block)
+    assert [record.levelname for record in caplog.records] == ["WARNING"]
+    assert caplog.records[0].getMessage() == (
+        f"the file system of {folder.path} knows no locks: a second run with the same output "
+        "would not be kept out; start none while this one works"
+    )
+    assert folder.holder() == {}
+
+
+def test_a_link_in_place_of_the_lock_overwrites_nothing(
+    folder: RunFolder, tmp_path: Path
+) -> None:
+    precious = tmp_path / "precious"
+    precious.write_text("words")
+    folder.path.mkdir()
+    (folder.path / "lock").symlink_to(precious)
+    with pytest.raises(rb.StoreError, match="cannot write"), folder.locked("test"):
+        pass
+    assert precious.read_text() == "words"
 
 
 def test_a_killed_process_leaves_no_lock_and_no_leftovers(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -15,6 +16,7 @@ from typing import Any
 import pytest
 
 import roughbench as rb
+from roughbench.memory import Room
 from roughbench.runner import local, resources
 from roughbench.runner.engine import Outcome
 from roughbench.runner.local import compute_here, compute_in_workers
@@ -242,31 +244,29 @@ def test_memory_by_estimate() -> None:
 
 
 def test_a_task_that_can_never_start_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(resources, "available_memory", lambda: 10**9)
+    def refusal(task: Task, limits: Sharing) -> str:
+        with pytest.raises(rb.RoughbenchError) as caught:
+            check_memory([bem(64), task], limits)
+        return str(caught.value)
+
+    monkeypatch.setattr(resources, "room", lambda: Room(10**9))
     limits = sharing()
     assert limits.memory == 8 * 10**8
     check_memory([bem(64), bem(2048)], limits)
-    with pytest.raises(rb.RoughbenchError, match=r"needs about 1\..* may take 0\.8 GB; allow"):
-        check_memory([bem(64), bem(4096)], limits)
+    assert re.search(
+        r"needs about 1\.2 GB, and all tasks together may take 0\.8 GB, 80% of what there is: "
+        r"1\.0 GB are available; take a smaller grid or a larger machine$",
+        refusal(bem(4096), limits),
+    )
+    monkeypatch.setattr(resources, "room", lambda: Room(14 * 10**8, "the limit of a job"))
+    limits = sharing()
+    told = refusal(bem(4096), limits)
+    assert "1.4 GB are available (the limit of a job); allow more with --max-memory" in told
+    told = refusal(bem(4096, precision="double"), sharing(max_memory="1.3G"))
+    assert "may take 1.4 GB; choose precision: mixed, or take a smaller grid" in told
     check_memory([bem(4096)], sharing(max_memory="2G"))
-    monkeypatch.setattr(resources, "available_memory", lambda: None)
+    monkeypatch.setattr(resources, "room", lambda: None)
     check_memory([bem(4096)], sharing())
-
-
-def test_the_limit_of_a_control_group_counts(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.setattr(resources, "available_here", lambda: 10**9)
-    monkeypatch.setattr(resources, "_CGROUP", tmp_path)
-    own = tmp_path
-    for part in Path("/proc/self/cgroup").read_text().split("::")[1].strip().split("/"):
-        own = own / part
-    own.mkdir(parents=True, exist_ok=True)
-    (own / "memory.max").write_text("max\n")
-    assert resources.available_memory() == 10**9
-    (own / "memory.max").write_text("500000000\n")
-    (own / "memory.current").write_text("100000000\n")
-    assert resources.available_memory() == 4 * 10**8
 
 
 @pytest.mark.parametrize(

@@ -6,12 +6,20 @@ import functools
 import math
 import os
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roughbench.errors import SolverError
+from roughbench.inputs import (
+    check_heights,
+    float_array,
+    positive_number,
+    real_array,
+    real_number,
+    whole_number,
+)
 from roughbench.models.base import Curve, Fields, FloatArray, Solved, Status
 from roughbench.models.halfspace import memory
 from roughbench.models.halfspace.options import Correction, Precision
@@ -50,12 +58,16 @@ class ContactState:
         certificate.
     iterations, transform_pairs : int
         Work that the state took.
+
+    Notes
+    -----
+    A state holds its two fields and the loaded points, nothing of the solver: it can be
+    copied, pickled and sent to other processes.
     """
 
     def __init__(self, problem: _Problem, solution: Solution | None, load: float) -> None:
-        self._problem = problem
-        self._solution = solution
         solver = problem.solver
+        self._tangent = None if solution is None else _Tangent(problem, solution.points)
         if solution is None:
             self.area_fraction = self.area_fraction_raw = 1.0
             self.mean_separation = 0.0
@@ -77,10 +89,34 @@ class ContactState:
 
     def stiffness(self) -> float:
         """K = −dp/dū at frozen contact, modulus/length; inf at full contact."""
-        if self._solution is None:
-            return math.inf
-        stiffness, _ = self._problem.solver.tangent(self._solution.points)
-        return stiffness * self._problem.pressure_unit / self._problem.solver.rms
+        return math.inf if self._tangent is None else self._tangent.stiffness()
+
+
+class _Tangent:
+    """What the stiffness of a state follows from: the loaded points and the grid.
+
+    The solver would be large, and bound to its process; another one is made when it is
+    asked for.
+    """
+
+    def __init__(self, problem: _Problem, points: WorkingSet) -> None:
+        solver = problem.solver
+        self._points = points
+        self._heights = solver.heights.shape, solver.heights.dtype
+        self._tolerance = solver.tolerance
+        self._options = problem.options
+        self._pressure_unit, self._rms = problem.pressure_unit, solver.rms
+        self._value: float | None = None
+
+    def stiffness(self) -> float:
+        """K, modulus/length; computed once."""
+        if self._value is None:
+            # With the contact frozen the heights do not matter: flat ones will do.
+            solver = Solver(np.zeros(*self._heights), self._tolerance, **self._options)
+            # Of a copy: the tangent problem needs room beside the pressures.
+            value, _ = solver.tangent(self._points.in_contact())
+            self._value = float(value * self._pressure_unit / self._rms)
+        return self._value
 
 
 def solve_contact(
@@ -148,10 +184,11 @@ def solve_contact(
     >>> bool(abs(state.area_fraction_raw - 0.5) < 2e-3)
     True
     """
+    nominal = real_number(pressure, "pressure")
     problem = _Problem(
         heights, length, modulus, tolerance, precision, threads, max_iterations, correction
     )
-    load = float(problem.loads([pressure])[0])
+    load = float(problem.loads([nominal])[0])
     solver = problem.solver
     if load >= solver.full_load:
         return ContactState(problem, None, load)
@@ -314,6 +351,14 @@ class _Progress:
         return arrays
 
 
+class _Options(TypedDict):
+    """Those of :class:`Solver`."""
+
+    double: bool
+    threads: int
+    max_iterations: int
+
+
 class _Problem:
     """Checked arguments, the solver on them, and the units between the two."""
 
@@ -328,53 +373,47 @@ class _Problem:
         max_iterations: int,
         correction: Correction,
     ) -> None:
-        try:
-            h = np.asarray(heights)
-        except ValueError as error:
-            raise SolverError(f"heights must be a rectangular array: {error}") from error
-        if h.dtype not in (np.float32, np.float64):
-            try:
-                h = h.astype(np.float64, casting="same_kind" if h.dtype.kind == "f" else "safe")
-            except TypeError as error:
-                raise SolverError(
-                    f"heights must be real numbers, got dtype {h.dtype}"
-                ) from error
+        h = real_array(heights, "heights", kinds="buif")
         if h.ndim not in (1, 2) or min(h.shape, default=0) < 2:
             raise SolverError(
                 "heights must be a line (n,) or a surface (n, m) of at least 2 points a "
                 f"side, got shape {h.shape}"
             )
-        for name, value in (("length", length), ("modulus", modulus), ("tolerance", tolerance)):
-            if not 0.0 < value < math.inf:
-                raise SolverError(f"{name} must be a positive number, got {value}")
+        length = positive_number(length, "length")
+        modulus = positive_number(modulus, "modulus")
+        tolerance = positive_number(tolerance, "tolerance")
         if tolerance > 0.1:
             raise SolverError(f"tolerance must be at most 0.1, got {tolerance}")
-        if precision not in ("mixed", "double"):
+        if not (isinstance(precision, str) and precision in ("mixed", "double")):
             raise SolverError(f"precision must be 'mixed' or 'double', got {precision!r}")
         if not (isinstance(correction, str) and correction in ("perimeter", "none")):
             raise SolverError(f"correction must be 'perimeter' or 'none', got {correction!r}")
-        if threads is not None and threads < 1:
-            raise SolverError(f"threads must be at least 1, got {threads}")
-        if max_iterations < 1:
-            raise SolverError(f"max_iterations must be at least 1, got {max_iterations}")
-        if not np.isfinite(h).all():
-            place = np.unravel_index(int(np.argmin(np.isfinite(h))), h.shape)
-            raise SolverError(
-                f"heights must be finite, got {h[place]} at index {tuple(map(int, place))}; "
-                "fill or crop missing points first"
-            )
-        memory.check(h.shape, double=precision == "double" or tolerance < FLOAT32_FLOOR)
+        if threads is not None:
+            threads = whole_number(threads, "threads")
+        max_iterations = whole_number(max_iterations, "max_iterations")
+        # What makes the solver iterate in float64, and would have to be otherwise.
+        reasons = ["precision: mixed"] * (precision == "double")
+        reasons += [f"tolerance: {FLOAT32_FLOOR:g}"] * (tolerance < FLOAT32_FLOOR)
+        memory.check(
+            h.shape,
+            double=bool(reasons),
+            instead=" with ".join(reasons),
+            converted=h.dtype not in (np.float32, np.float64),
+        )
+        check_heights(h, per_point=0)
+        if h.dtype not in (np.float32, np.float64):
+            h = h.astype(np.float64)
         self.shape = h.shape
         self.spacing = length / h.shape[0]
         self.modulus = modulus
         self.correction: Correction = correction
-        self.solver = Solver(
-            h.reshape((1, -1)) if h.ndim == 1 else h,
-            tolerance,
+        self.options = _Options(
             double=precision == "double",
             threads=threads or len(os.sched_getaffinity(0)),
             max_iterations=max_iterations,
         )
+        surface = h.reshape((1, -1)) if h.ndim == 1 else h
+        self.solver = Solver(surface, tolerance, **self.options)
         rms = self.solver.rms
         if not (rms == 0.0 or 1e-152 < rms < 1e152) or (rms == 0.0 and np.ptp(h) > 0):
             raise SolverError(
@@ -385,10 +424,17 @@ class _Problem:
         rms = self.solver.rms or 1.0
         self.pressure_unit = modulus * rms / self.spacing
         self.energy_unit = modulus * rms**2 / self.spacing
+        for unit in (self.pressure_unit, self.energy_unit, self.pressure_unit / rms):
+            if not np.finfo(np.float64).tiny <= unit < math.inf:
+                raise SolverError(
+                    f"with a length of {length:g}, a modulus of {modulus:g} and an rms height "
+                    f"of {rms:g} the results leave the range of float64; choose units in which "
+                    "they are nearer to 1"
+                )
 
     def loads(self, pressures: ArrayLike) -> NDArray[np.float64]:
         """Dimensionless nominal pressures."""
-        p: FloatArray = np.asarray(pressures, dtype=np.float64)
+        p: FloatArray = float_array(pressures, "pressures")
         if p.ndim != 1 or p.size == 0:
             raise SolverError(f"pressures must be a list of numbers, got shape {p.shape}")
         bad = ~((p > 0.0) & np.isfinite(p))

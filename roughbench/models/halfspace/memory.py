@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
-from roughbench.errors import SolverError
+from roughbench import memory
 
 # Bytes per grid point at full occupancy: the exact field (8), and at the working
 # precision a field, the scratch with its halo and seven vectors (p, r, d, s, y, the
 # tangent's x, the pressure that a new working set is filled from): not all at once.
 _MIXED = 8 + 9 * 4
 _DOUBLE = 9 * 8
-
-_MEMINFO = Path("/proc/meminfo")
 
 
 def needed(n_points: int, *, double: bool) -> int:
@@ -25,19 +22,24 @@ def needed(n_points: int, *, double: bool) -> int:
     return n_points * (_DOUBLE if double else _MIXED)
 
 
-def available() -> int | None:
-    """Bytes that can be had without swapping, or None where the system does not say."""
-    try:
-        for line in _MEMINFO.read_text().splitlines():
-            if line.startswith("MemAvailable:"):
-                return int(line.split()[1]) * 1024
-    except (OSError, ValueError, IndexError):
-        pass
-    return None
-
-
-def check(shape: tuple[int, ...], *, double: bool) -> None:
+def check(
+    shape: tuple[int, ...],
+    *,
+    double: bool,
+    instead: str = "precision: mixed",
+    converted: bool = False,
+) -> None:
     """Refuse a grid that does not fit into memory.
+
+    Parameters
+    ----------
+    shape : tuple of int
+    double : bool
+        Whether it iterates in float64.
+    instead : str
+        What makes it iterate in float32.
+    converted : bool
+        Whether the heights have to be copied into float64 as well.
 
     Raises
     ------
@@ -45,17 +47,19 @@ def check(shape: tuple[int, ...], *, double: bool) -> None:
         With what is needed, what there is, and what would fit.
     """
     n_points = math.prod(shape)
-    room = available()
-    wanted = needed(n_points, double=double)
-    if room is None or wanted <= room:
-        return
-    if len(shape) == 2:
-        side = math.isqrt(room // needed(1, double=double))
-        fits = f"a grid of {side} × {side} points would fit"
-    else:
-        fits = f"{room // needed(1, double=double)} points would fit"
-    hint = ", and so may precision: mixed" if double else ""
-    raise SolverError(
-        f"the exact solver needs up to {wanted / 1e9:.1f} GB for {n_points} points, and "
-        f"{room / 1e9:.1f} GB are available; {fits}{hint}"
-    )
+    copy = 8 if converted else 0
+    per_point = needed(1, double=double) + copy
+
+    def remedy(room: int) -> str:
+        side = math.isqrt(room // per_point)
+        fits = (
+            f"a grid of {side} × {side} points would fit"
+            if len(shape) == 2
+            else f"{room // per_point} points would fit"
+        )
+        lighter = n_points * (_MIXED + copy) <= room
+        return fits + (f", and so may {instead}" if double and lighter else "")
+
+    wanted = n_points * per_point
+    what = f"the exact solver needs up to {memory.gigabytes(wanted)} for {n_points} points"
+    memory.check(wanted, what, remedy)
