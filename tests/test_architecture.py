@@ -43,6 +43,7 @@ APART = {
 
 OWNERS = {
     "click": {"cli"},
+    "dask": {"runner"},
     "dask_jobqueue": {"runner"},
     "distributed": {"runner"},
     "h5py": {"heights_file", "store"},

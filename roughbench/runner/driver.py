@@ -13,7 +13,8 @@ from roughbench.publish import check_writable, commit
 from roughbench.results import ModelResult, Results
 from roughbench.runner.assemble import assemble
 from roughbench.runner.checkpoint import Checkpoint
-from roughbench.runner.cluster import Cluster, compute_on_cluster
+from roughbench.runner.cluster import Cluster
+from roughbench.runner.dask_engine import compute_on_cluster
 from roughbench.runner.engine import Outcome
 from roughbench.runner.folder import RunFolder
 from roughbench.runner.journal import log, log_task, logged_to
@@ -130,7 +131,7 @@ def run(
                 folder.write_request(_request(resolved, stocks, command))
             tasks = select(stocks, only, parts=limits.parts)
             desk.open(stocks, progress, keep_going=keep_going)
-            _compute(tasks, limits, cluster, desk)
+            _compute(tasks, limits, cluster, desk, folder)
             desk.finish()
             _sum_up(stocks)
             results = _results(resolved, stocks)
@@ -201,11 +202,21 @@ def _take_stock(
 
 
 def _compute(
-    tasks: Sequence[Task], limits: Sharing, cluster: Cluster | None, desk: _Desk
+    tasks: Sequence[Task],
+    limits: Sharing,
+    cluster: Cluster | None,
+    desk: _Desk,
+    folder: RunFolder | None,
 ) -> None:
     if cluster is not None:
         log.info("%d tasks to compute, on a %s cluster", len(tasks), cluster.kind)
-        compute_on_cluster(tasks, cluster, checkpoint_of=desk.checkpoint, listener=desk)
+        compute_on_cluster(
+            tasks,
+            cluster,
+            checkpoint_of=desk.checkpoint,
+            listener=desk,
+            folder=folder.path if folder is not None else Path.cwd(),
+        )
         return
     check_memory(tasks, limits)
     processes = limits.processes(tasks)
