@@ -130,7 +130,7 @@ def run(
             if folder is not None:
                 folder.write_request(_request(resolved, stocks, command))
             tasks = select(stocks, only, parts=limits.parts)
-            desk.open(stocks, progress, keep_going=keep_going)
+            desk.open(stocks, tasks, progress, keep_going=keep_going)
             _compute(tasks, limits, cluster, desk, folder)
             desk.finish()
             _sum_up(stocks)
@@ -291,14 +291,21 @@ class _Desk:
         self._folder = folder
         self._command = command
         self._stocks: dict[tuple[str, str], Stock] = {}
+        self._tasks: Sequence[Task] = ()
         self._failed: dict[Task, Outcome] = {}
         self._keep_going = False
         self._count: Callable[[Task, int], None] = lambda _task, _done: None
 
     def open(
-        self, stocks: Sequence[Stock], progress: Report | None, *, keep_going: bool
+        self,
+        stocks: Sequence[Stock],
+        tasks: Sequence[Task],
+        progress: Report | None,
+        *,
+        keep_going: bool,
     ) -> None:
         self._stocks = {_place(stock.cell): stock for stock in stocks}
+        self._tasks = tasks
         self._keep_going = keep_going
         self._count = _counter(stocks, progress)
 
@@ -376,7 +383,11 @@ class _Desk:
         total = sum(stock.cell.n_states for stock in self._stocks.values())
         if self._folder is None or total == 0:
             return ""
-        known += self._folder.states_in_checkpoints()
+        for task in self._tasks:  # those that are finished have none any more
+            checkpoint = self.checkpoint(task)
+            known += checkpoint.done() if checkpoint is not None else 0
+        if known == 0 or not self._folder.path.is_dir():
+            return f"run it again: {self._command}" if self._command else ""
         text = f"{known} of {total} states are kept in {self._folder.path}"
         return text + (f"; resume: {self._command}" if self._command else "")
 

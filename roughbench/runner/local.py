@@ -30,7 +30,7 @@ from roughbench.runner.resources import Sharing, memory_of
 ATTEMPTS = 3
 """How often a task is given to a worker before its death is taken for the task's fault."""
 
-_SIGNALS = {signal.SIGINT, signal.SIGTERM}
+_SIGNALS = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
 
 
 def compute_here(
@@ -216,15 +216,26 @@ def _crew() -> Iterator[_Crew]:
 
 @contextlib.contextmanager
 def _signals_held_back() -> Iterator[None]:
-    """Hold SIGINT and SIGTERM back; workers started meanwhile inherit that for good.
+    """Hold signals back; workers started meanwhile inherit that for good.
 
-    One that comes meanwhile is delivered here afterwards.
+    One that comes meanwhile is answered here afterwards. To block it in this thread is not
+    enough for that: any other thread may take it, and have this one raise the exception.
     """
+    came: list[int] = []
+    handlers = {}
+    if threading.current_thread() is threading.main_thread():
+        for number in (*_SIGNALS, signal.SIGALRM):  # an answer may be put off by an alarm
+            if callable(signal.getsignal(number)):
+                handlers[number] = signal.signal(number, lambda number, _: came.append(number))
     before = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
     try:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        for late in dict.fromkeys(came):
+            signal.raise_signal(late)
 
 
 # -- workers, from inside ----------------------------------------------------------------
@@ -236,7 +247,10 @@ def _work(pipe: Connection, watched: Connection) -> None:
     threading.Thread(target=_end_with_parent, args=(watched,), daemon=True).start()
 
     def tell(kind: str, content: Any) -> None:
-        pipe.send((kind, content))
+        try:
+            pipe.send((kind, content))
+        except OSError:  # the parent is gone, and nobody wants to know any more
+            os._exit(1)
 
     tell("ready", None)
     while True:

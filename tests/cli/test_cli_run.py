@@ -276,7 +276,11 @@ def started(start: Callable[..., Popen], jobs: int) -> Popen:
 @pytest.mark.parametrize("jobs", [1, 2])
 @pytest.mark.parametrize(
     ("number", "code", "told"),
-    [(signal.SIGINT, 130, "interrupted"), (signal.SIGTERM, 3, "stopped by SIGTERM")],
+    [
+        (signal.SIGINT, 130, "interrupted"),
+        (signal.SIGTERM, 3, "stopped by SIGTERM"),
+        (signal.SIGHUP, 3, "stopped by SIGHUP"),
+    ],
 )
 def test_a_signal_ends_it_cleanly(
     results: Path,
@@ -308,6 +312,35 @@ def test_a_signal_ends_it_cleanly(
     assert any(": new (" in line for line in planned)
 
 
+def test_a_terminal_that_is_closed_ends_it_cleanly(folder: Path, invoke: Invoke) -> None:
+    ours, theirs = pty.openpty()
+    command = [sys.executable, "-m", "roughbench", "run", "small.yaml", "-j", "2", *LONG]
+    process = subprocess.Popen(
+        ["setsid", "--ctty", *command],
+        stdin=theirs,
+        stdout=theirs,
+        stderr=theirs,
+        env=os.environ | {"PYTHONPATH": str(Path(rb.__file__).parents[1])},
+    )
+    os.close(theirs)
+    shards = folder / "small.h5.rbrun" / "shards"
+    for _ in range(600):
+        if list(shards.rglob("*.npz")):
+            break
+        os.set_blocking(ours, False)
+        with contextlib.suppress(BlockingIOError):
+            os.read(ours, 100000)
+        time.sleep(0.1)
+    os.close(ours)
+    assert process.wait(30) == 3
+    assert_no_process_left(process.pid)
+    log = (folder / "small.h5.rbrun" / "run.log").read_text()
+    assert "ended by HungUp" in log
+    assert " of 300003 states are kept in small.h5.rbrun; resume: " in log
+    planned = invoke("run", "small.yaml", "-n", *LONG).stdout.splitlines()
+    assert any(line.endswith(": done") for line in planned)
+
+
 def test_a_full_disk_leaves_a_run_to_resume(folder: Path, invoke: Invoke) -> None:
     """Files may have 2 kB, as if the disk were full then: less than a shard."""
     command = f"ulimit -f 2; exec {sys.executable} -m roughbench run small.yaml"
@@ -320,8 +353,7 @@ def test_a_full_disk_leaves_a_run_to_resume(folder: Path, invoke: Invoke) -> Non
     assert first.startswith("error: cannot write small.h5.rbrun/shards/")
     assert "File too large; choose another place with -o, or make room" in first
     assert first.endswith("main/foundation, realizations 1 to 20 of 20 is lost")
-    resume = "resume: roughbench run small.yaml"
-    assert second == f"0 of 63 states are kept in small.h5.rbrun; {resume}"
+    assert second == "run it again: roughbench run small.yaml"
     assert not (folder / "small.h5").exists()
     assert not list(folder.rglob("*.tmp"))
     assert invoke("run", "small.yaml").exit_code == 0

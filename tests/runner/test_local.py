@@ -150,6 +150,61 @@ def test_killing_workers_at_random_changes_nothing(small_spec: dict[str, Any]) -
     assert not lost
 
 
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_that_another_thread_takes_waits_too(number: signal.Signals) -> None:
+    """Else a worker that is just being started reads half a message: EOFError."""
+
+    class StoppedError(Exception):
+        pass
+
+    def handle(_number: int, _frame: object) -> None:
+        raise StoppedError
+
+    stop = threading.Event()
+    thread = threading.Thread(target=stop.wait)  # blocks no signals
+    thread.start()
+    before = signal.signal(number, handle)
+    waited: list[bool] = []
+
+    def start_a_worker() -> None:
+        with local._signals_held_back():
+            os.kill(os.getpid(), number)
+            time.sleep(0.2)
+            waited.append(True)
+
+    try:
+        with pytest.raises(StoppedError):
+            start_a_worker()
+        assert waited
+        assert signal.getsignal(number) is handle
+        assert number not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
+    finally:
+        signal.signal(number, before)
+        stop.set()
+        thread.join()
+
+
+def test_a_worker_whose_parent_is_gone_says_nothing() -> None:
+    """It ends without a word when it has news for nobody."""
+    program = (
+        "import os, threading\n"
+        "from multiprocessing import Pipe\n"
+        "from roughbench.runner import local\n"
+        "ours, theirs = Pipe()\n"
+        "watched, alive = Pipe(duplex=False)\n"
+        "ours.close()\n"
+        "local._work(theirs, watched)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | {"PYTHONPATH": str(Path(rb.__file__).parents[1])},
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (1, "", "")
+
+
 def test_an_error_of_the_listener_ends_everything_at_once(small_spec: dict[str, Any]) -> None:
     class Full(Spy):
         def ended(self, task: Task, outcome: Outcome) -> None:
