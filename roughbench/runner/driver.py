@@ -18,7 +18,11 @@ from roughbench.runner.dask_engine import compute_on_cluster
 from roughbench.runner.engine import Outcome
 from roughbench.runner.folder import RunFolder
 from roughbench.runner.journal import log, log_task, logged_to
-from roughbench.runner.local import compute_here, compute_in_workers
+from roughbench.runner.local import (
+    compute_here,
+    compute_in_workers,
+    refuse_in_a_new_worker,
+)
 from roughbench.runner.only import label_of, select
 from roughbench.runner.overview import Part, overview
 from roughbench.runner.plan import Cell, Task, check, plan
@@ -114,6 +118,7 @@ def run(
     >>> [round(a, 5) for a in results["main"]["persson"]["area_mean"].tolist()]
     [0.01596, 0.15852]
     """
+    refuse_in_a_new_worker()
     resolved = load_spec(spec, overrides)
     limits = _limits(jobs, threads, max_memory, cluster)
     if output is not None:

@@ -16,7 +16,7 @@ import signal
 import threading
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from multiprocessing import get_context, resource_tracker
+from multiprocessing import current_process, get_context, resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Any
@@ -30,7 +30,25 @@ from roughbench.runner.resources import Sharing, memory_of
 ATTEMPTS = 3
 """How often a task is given to a worker before its death is taken for the task's fault."""
 
+_WORKER = "roughbench worker"
+_NO_GUARD = 88
+"""Exit code of a worker that was told to run what had started it."""
+_NEEDS_GUARD = (
+    "worker processes import the script that calls run, and it calls run again there; put the "
+    "call under the guard if __name__ == '__main__', or say jobs=1"
+)
+
 _SIGNALS = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
+
+
+def refuse_in_a_new_worker() -> None:
+    """End this process at once if it is a worker that imports the script of its parent.
+
+    A worker imports the main script to find what is defined there. If that calls ``run``
+    outside of a guard, each worker would start workers of its own; the parent says so.
+    """
+    if current_process().name == _WORKER and not _at_work:
+        os._exit(_NO_GUARD)
 
 
 def compute_here(
@@ -157,7 +175,7 @@ class _Crew:
         for _ in range(ATTEMPTS):
             pipe, theirs = self._context.Pipe()
             process = self._context.Process(
-                target=_work, args=(theirs, self._watched), daemon=True
+                target=_work, name=_WORKER, args=(theirs, self._watched), daemon=True
             )
             with _signals_held_back(), contextlib.suppress(BrokenPipeError):  # dead already
                 process.start()
@@ -186,11 +204,13 @@ class _Crew:
         worker.process.join()
         worker.pipe.close()
         code = worker.process.exitcode or 0
+        if code == _NO_GUARD and not worker.ready:
+            raise RoughbenchError(_NEEDS_GUARD) from None
         if code >= 0 and not worker.ready and not self._one_was_ready:
             raise RoughbenchError(
-                "no worker process could be started; a script that calls run with jobs > 1 "
-                "needs the guard if __name__ == '__main__', or jobs=1"
-            )
+                f"no worker process could be started: it ended with exit code {code} while it "
+                "imported the script that calls run, or roughbench; say jobs=1 to do without"
+            ) from None
         return f"was killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
 
     def close(self) -> None:
@@ -241,7 +261,12 @@ def _signals_held_back() -> Iterator[None]:
 # -- workers, from inside ----------------------------------------------------------------
 
 
+_at_work = False
+
+
 def _work(pipe: Connection, watched: Connection) -> None:
+    global _at_work
+    _at_work = True
     for number in _SIGNALS:
         signal.signal(number, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, args=(watched,), daemon=True).start()

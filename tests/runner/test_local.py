@@ -223,20 +223,42 @@ def test_an_error_of_the_listener_ends_everything_at_once(small_spec: dict[str, 
     assert time.monotonic() - start < 10.0
 
 
-def test_a_script_without_a_guard_is_told(tmp_path: Path) -> None:
+SCRIPT = """\
+import roughbench as rb
+surface = {'H': 0.7, 'q0': 1.0, 'q1': 32.0, 'slope': 0.1}
+models = [{'kind': 'persson'}, {'kind': 'foundation', 'springs': 64}]
+spec = {'surface': surface, 'pressures': [0.1], 'models': models}
+"""
+
+
+@pytest.mark.parametrize("output", ["", ", output='r.h5'"])
+def test_a_script_without_a_guard_is_told(tmp_path: Path, output: str) -> None:
     script = tmp_path / "script.py"
-    script.write_text(
-        "import roughbench as rb\n"
-        "surface = {'H': 0.7, 'q0': 1.0, 'q1': 32.0, 'slope': 0.1}\n"
-        "models = [{'kind': 'persson'}, {'kind': 'foundation', 'springs': 64}]\n"
-        "rb.run({'surface': surface, 'pressures': [0.1], 'models': models}, jobs=2)\n"
-    )
+    script.write_text(f"{SCRIPT}rb.run(spec, jobs=2{output})\n")
     environment = os.environ | {"PYTHONPATH": str(Path(rb.__file__).parents[1])}
     done = subprocess.run(
-        [sys.executable, script], capture_output=True, text=True, check=False, env=environment
+        [sys.executable, script],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=environment,
+        cwd=tmp_path,
     )
     assert done.returncode == 1
-    assert "needs the guard if __name__ == '__main__', or jobs=1" in done.stderr
+    assert done.stderr.count("Traceback") == 1  # that of the script; it was 92 lines
+    message = "put the call under the guard if __name__ == '__main__', or say jobs=1"
+    assert done.stderr.count(message) == 1
+    assert len(done.stderr.splitlines()) < 20
+    script.write_text(f"{SCRIPT}if __name__ == '__main__':\n    rb.run(spec, jobs=2{output})\n")
+    guarded = subprocess.run(
+        [sys.executable, script],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=environment,
+        cwd=tmp_path,
+    )
+    assert (guarded.returncode, guarded.stderr) == (0, "")
 
 
 # -- who may start -------------------------------------------------------------------------
