@@ -148,7 +148,13 @@ def command(
     if dry_run:
         for name in ("keep_going", "log_file"):
             options.pop(name)
-        parts = preview(loaded, output=target, cluster=cluster, **options)
+        parts = preview(
+            loaded,
+            output=target,
+            cluster=cluster,
+            measuring=lambda text: None if quiet else click.echo(text, err=True),
+            **options,
+        )
         for part in parts:
             click.echo(part)
         click.echo(_total([part.tasks for part in parts], sum(part.seconds for part in parts)))

@@ -12,7 +12,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +28,19 @@ except ImportError:  # of a Numba that is built otherwise: without a cache
 
 _FORMAT = 1
 _DIGEST = hashlib.sha256
+
+
+_listeners: list[Callable[[], None]] = []
+
+
+@contextlib.contextmanager
+def compiling_told(listener: Callable[[], None]) -> Iterator[None]:
+    """Call ``listener`` whenever a loop is about to be compiled: that takes seconds."""
+    _listeners.append(listener)
+    try:
+        yield
+    finally:
+        _listeners.remove(listener)
 
 
 def compiled(**options: Any) -> Callable[[Callable[..., Any]], Any]:
@@ -61,9 +74,13 @@ class _CheckedCache(FunctionCache):  # type: ignore[misc]
         )
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
+        found = None
         with contextlib.suppress(Exception):
-            return super().load_overload(sig, target_context)
-        return None
+            found = super().load_overload(sig, target_context)
+        if found is None:
+            for told in _listeners:
+                told()
+        return found
 
     def save_overload(self, sig: Any, data: Any) -> None:
         with contextlib.suppress(Exception):

@@ -39,6 +39,7 @@ RESOURCE = "MEMGB"
 """Key of a worker's memory: ``dask worker --resources MEMGB=16``."""
 SECONDS_FOR_SCHEDULER = 20.0
 
+_COMPILING = "compiling"
 _LOST = "the connection to the Dask scheduler is lost"
 _SECONDS_BETWEEN_LOOKS = 1.0
 _SECONDS_FOR_ANSWERS = 10.0
@@ -93,7 +94,7 @@ def _compute(
     checkpoint_of: CheckpointOf,
     listener: Listener,
 ) -> None:
-    events: queue.SimpleQueue[tuple[int, Future[Any] | int]] = queue.SimpleQueue()
+    events: queue.SimpleQueue[tuple[int, Future[Any] | int | str]] = queue.SimpleQueue()
     topic = f"roughbench-{os.getpid()}-{next(_numbers)}"
     client.subscribe_topic(topic, lambda event: events.put(event[1]))
     futures = [
@@ -145,6 +146,9 @@ def _listen(
             continue
         watch.note_progress()
         if number not in left:
+            continue
+        if content == _COMPILING:
+            listener.compiling()
             continue
         if isinstance(content, int):
             listener.advanced(tasks[number], content)
@@ -349,6 +353,9 @@ def _carry_out_there(
         )
     with _one_at_a_time:
         outcome = carry_out(
-            task, checkpoint, lambda done: worker.log_event(topic, (number, done))
+            task,
+            checkpoint,
+            lambda done: worker.log_event(topic, (number, done)),
+            lambda: worker.log_event(topic, (number, _COMPILING)),
         )
     return outcome.portable()

@@ -26,9 +26,10 @@ from roughbench.runner.local import (
 from roughbench.runner.only import label_of, select
 from roughbench.runner.overview import Part, overview
 from roughbench.runner.plan import Cell, Task, check, plan
-from roughbench.runner.progress import Progress, Report
+from roughbench.runner.progress import COMPILING, Progress, Report
 from roughbench.runner.provenance import provenance, spent
 from roughbench.runner.resources import Sharing, check_memory, sharing
+from roughbench.runner.speed import Speeds
 from roughbench.runner.survey import Stock, survey
 from roughbench.spec import Source, Spec, load_spec
 from roughbench.store import image
@@ -156,13 +157,17 @@ def preview(
     only: Sequence[str] = (),
     max_memory: int | str | None = None,
     cluster: Cluster | None = None,
+    measuring: Callable[[str], None] | None = None,
 ) -> list[Part]:
-    """Return what :func:`run` would compute, and why, without computing or writing anything.
+    """Return what :func:`run` would compute, and why, without computing or writing any of it.
 
     Parameters
     ----------
     spec, output, jobs, threads, overrides, force, only, max_memory, cluster
         As for :func:`run`.
+    measuring : callable, optional
+        Measure how fast this machine is for models that were never measured, in some
+        seconds, and keep it in the cache folder; told so. Default: by a formula.
 
     Returns
     -------
@@ -181,7 +186,10 @@ def preview(
     tasks = select(stocks, only, parts=limits.parts)
     if cluster is None:
         check_memory(tasks, limits)
-    return overview(stocks, tasks, folder)
+    speeds = Speeds()
+    if measuring is not None:
+        speeds.measure([task.cell.model for task in tasks], measuring)
+    return overview(stocks, tasks, folder, speeds)
 
 
 def _limits(
@@ -299,7 +307,7 @@ class _Desk:
         self._tasks: Sequence[Task] = ()
         self._failed: dict[Task, Outcome] = {}
         self._keep_going = False
-        self._count: Callable[[Task, int], None] = lambda _task, _done: None
+        self._count: Callable[[Task | None, int], None] = lambda _task, _done: None
 
     def open(
         self,
@@ -321,6 +329,9 @@ class _Desk:
 
     def advanced(self, task: Task, done: int) -> None:
         self._count(task, done)
+
+    def compiling(self) -> None:
+        self._count(None, 0)
 
     def said(self, text: str) -> None:
         log.warning(text)
@@ -423,11 +434,20 @@ def _told(folder: RunFolder | None, command: str) -> Iterator[_Desk]:
         raise
 
 
-def _counter(stocks: Sequence[Stock], progress: Report | None) -> Callable[[Task, int], None]:
-    """Return a callable that adds up finished states and tells ``progress``."""
+def _counter(
+    stocks: Sequence[Stock], progress: Report | None
+) -> Callable[[Task | None, int], None]:
+    """Return a callable that adds up finished states and tells ``progress``.
+
+    Without a task it tells that loops are compiled.
+    """
     total = sum(stock.cell.n_states for stock in stocks)
+    speeds = Speeds()
     works = {
-        _place(stock.cell): stock.cell.work / len(stock.cell.pressures) for stock in stocks
+        _place(stock.cell): speeds.slowness(stock.cell.model)
+        * stock.cell.work
+        / len(stock.cell.pressures)
+        for stock in stocks
     }
     all_work = sum(works[_place(stock.cell)] * stock.cell.n_states for stock in stocks)
     done = sum(int(stock.collected.known.sum()) for stock in stocks)
@@ -437,8 +457,12 @@ def _counter(stocks: Sequence[Stock], progress: Report | None) -> Callable[[Task
         share = 1.0 if done == total else work / all_work
         progress(Progress(done, total, share, "starting"))
 
-    def advanced(task: Task, done_here: int) -> None:
+    def advanced(task: Task | None, done_here: int) -> None:
         nonlocal done, work
+        if task is None:
+            if progress is not None:
+                progress(Progress(done, total, min(1.0, work / all_work), COMPILING))
+            return
         n_states = done_here - done_of.get(task, 0)
         done_of[task] = done_here
         done += n_states

@@ -60,7 +60,8 @@ def compute_here(
         def advanced(done: int, task: Task = task) -> None:
             listener.advanced(task, done)
 
-        listener.ended(task, carry_out(task, checkpoint_of(task), advanced))
+        outcome = carry_out(task, checkpoint_of(task), advanced, listener.compiling)
+        listener.ended(task, outcome)
 
 
 def compute_in_workers(
@@ -113,6 +114,8 @@ def compute_in_workers(
                     continue
                 if kind == "advanced" and task is not None:
                     listener.advanced(task, content)
+                elif kind == "compiling":
+                    listener.compiling()
                 elif kind == "ended" and task is not None:
                     worker.task = None
                     free = True
@@ -283,7 +286,12 @@ def _work(pipe: Connection, watched: Connection) -> None:
             task, checkpoint = pipe.recv()
         except (EOFError, OSError):
             return
-        outcome = carry_out(task, checkpoint, lambda done: tell("advanced", done))
+        outcome = carry_out(
+            task,
+            checkpoint,
+            lambda done: tell("advanced", done),
+            lambda: tell("compiling", None),
+        )
         tell("ended", outcome.portable())
 
 

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import roughbench as rb
-from roughbench.models._compiled import compiled
+from roughbench.models._compiled import compiled, compiling_told
 
 
 def twice(x: Any) -> Any:
@@ -42,6 +42,19 @@ def test_a_loop_is_compiled_once(folder: Path) -> None:
     assert len(files(folder)) == 2
     second = compiled()(twice)
     assert (second(3), second(0.5), hits(second)) == (7, 2.0, 2)
+
+
+def test_a_compilation_is_told(folder: Path) -> None:
+    assert folder.exists()
+    told: list[bool] = []
+    for times in (1, 1):
+        with compiling_told(lambda: told.append(True)):
+            loop = compiled()(twice)
+            loop(3)
+            loop(4)
+        assert len(told) == times
+    compiled()(twice)(0.5)  # nobody listens any more
+    assert len(told) == 1
 
 
 def truncate(path: Path) -> None:
@@ -128,8 +141,12 @@ def test_a_solver_whose_files_are_damaged(tmp_path: Path) -> None:
         "from roughbench.models._foundation_loops import grow_regions as loop\n"
         "surface = {'H': 0.7, 'q0': 1.0, 'q1': 32.0, 'slope': 0.1}\n"
         "models = [{'kind': 'foundation', 'springs': 128}]\n"
-        "r = rb.run({'surface': surface, 'pressures': [0.001, 0.01], 'models': models})\n"
-        "print(r['main']['foundation']['area'].tolist(), sum(loop.stats.cache_hits.values()))"
+        "spec = {'surface': surface, 'pressures': [0.001, 0.01], 'models': models}\n"
+        "texts = []\n"
+        "r = rb.run(spec, progress=lambda news: texts.append(news.text))\n"
+        "hits = sum(loop.stats.cache_hits.values())\n"
+        "assert ('compiling, once' in texts) == (hits == 0)\n"
+        "print(r['main']['foundation']['area'].tolist(), hits)"
     )
 
     def printed() -> str:

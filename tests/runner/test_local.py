@@ -35,6 +35,7 @@ class Spy:
     texts: list[str] = field(default_factory=list)
     running: int = 0
     most: int = 0
+    compiled: bool = False
 
     def advanced(self, task: Task, done: int) -> None:
         self.news.append((task, done))
@@ -42,6 +43,9 @@ class Spy:
     def ended(self, task: Task, outcome: Outcome) -> None:
         assert task not in self.ends
         self.ends[task] = outcome
+
+    def compiling(self) -> None:
+        self.compiled = True
 
     def said(self, text: str) -> None:
         self.texts.append(text)
