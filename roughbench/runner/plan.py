@@ -86,8 +86,9 @@ class Cell:
         is (:mod:`roughbench.runner.speed`). Measured, November 2026, on a shared machine: the
         exact solver takes 0.7 µs per point and pressure on a surface (32² to 1024² points),
         3.3 µs on a line, and as long as for 12500 or 4500 points more for what does not grow
-        with them; models that do not iterate take 0.25 µs per point of a line and 0.4 µs per
-        point of a surface for all pressures, and 1 ms, theories of the spectrum 1 to 400 ms.
+        with them, and for the first state, which starts from nothing, as long as for two;
+        models that do not iterate take 0.25 µs per point of a line and 0.4 µs per point of a
+        surface for all pressures, and 1 ms, theories of the spectrum 1 to 400 ms.
         All observables together take 0.17 µs per point and pressure.
         """
         dimension, n_points = self.model.dimension, float(self.n_points)
@@ -96,7 +97,7 @@ class Cell:
         observed = 0.17 * len(self.pressures) if self.asked.observables else 0.0
         if self.model.iterative:
             each, more = (3.3, 4500.0) if dimension == 1 else (0.7, 12500.0)
-            solved = len(self.pressures) * each * (n_points + more)
+            solved = (len(self.pressures) + 1) * each * (n_points + more)
         else:
             solved = 1e3 + n_points * (0.25 if dimension == 1 else 0.4)
         return solved + observed * n_points
