@@ -12,12 +12,13 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import pickle
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numba
 
+from roughbench.models.compilation import tell_compiling
 from roughbench.publish import publish
 
 try:
@@ -28,19 +29,6 @@ except ImportError:  # of a Numba that is built otherwise: without a cache
 
 _FORMAT = 1
 _DIGEST = hashlib.sha256
-
-
-_listeners: list[Callable[[], None]] = []
-
-
-@contextlib.contextmanager
-def compiling_told(listener: Callable[[], None]) -> Iterator[None]:
-    """Call ``listener`` whenever a loop is about to be compiled: that takes seconds."""
-    _listeners.append(listener)
-    try:
-        yield
-    finally:
-        _listeners.remove(listener)
 
 
 def compiled(**options: Any) -> Callable[[Callable[..., Any]], Any]:
@@ -78,8 +66,7 @@ class _CheckedCache(FunctionCache):  # type: ignore[misc]
         with contextlib.suppress(Exception):
             found = super().load_overload(sig, target_context)
         if found is None:
-            for told in _listeners:
-                told()
+            tell_compiling()
         return found
 
     def save_overload(self, sig: Any, data: Any) -> None:

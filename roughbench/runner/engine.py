@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from roughbench.errors import RoughbenchError
-from roughbench.models._compiled import compiling_told
+from roughbench.models.compilation import compiling_told
 from roughbench.runner.checkpoint import Checkpoint
 from roughbench.runner.compute import Block, compute
 from roughbench.runner.plan import Task

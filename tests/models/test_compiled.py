@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 
 import roughbench as rb
-from roughbench.models._compiled import compiled, compiling_told
+from roughbench.models._compiled import compiled
+from roughbench.models.compilation import compiling_told
 
 
 def twice(x: Any) -> Any:
