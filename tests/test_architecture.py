@@ -46,6 +46,7 @@ APART = {
 
 OWNERS = {
     "click": {"cli"},
+    "dask": {"runner"},
     "dask_jobqueue": {"runner"},
     "distributed": {"runner"},
     "filelock": {"locks"},

@@ -7,6 +7,7 @@ written files) goes to stdout, all else to stderr.
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import shlex
 import sys
@@ -81,9 +82,11 @@ class LazyGroup(click.Group):
         except (click.ClickException, click.Abort, click.exceptions.Exit, BrokenPipeError):
             raise  # click knows what to do with them
         except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001, RUF100  (the last resort)
-            if ctx.meta.get(DEBUG):
-                click.echo("".join(traceback.format_exception(error)), err=True, nl=False)
-            click.echo("\n".join([_message(error), *getattr(error, "__notes__", ())]), err=True)
+            with contextlib.suppress(OSError):  # of a terminal that has been closed
+                if ctx.meta.get(DEBUG):
+                    click.echo("".join(traceback.format_exception(error)), err=True, nl=False)
+                lines = [_message(error), *getattr(error, "__notes__", ())]
+                click.echo("\n".join(lines), err=True)
             ctx.exit(next(code for kind, code in _CODES if isinstance(error, kind)))
 
     def main(self, args: Sequence[str] | None = None, *rest: Any, **options: Any) -> Any:
@@ -95,7 +98,7 @@ class LazyGroup(click.Group):
 
 def _message(error: BaseException) -> str:
     if isinstance(error, Terminated):
-        return "stopped by SIGTERM"
+        return f"stopped by {error.name}"
     if isinstance(error, KeyboardInterrupt):
         return "interrupted"
     if isinstance(error, SpecError):

@@ -15,7 +15,7 @@ import time
 from collections.abc import Iterator
 from types import FrameType
 
-_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGALRM)
 _PAUSE = 0.02
 """Seconds until the next try."""
 _ANSWER = 3.0
@@ -29,13 +29,24 @@ class Interrupted(KeyboardInterrupt):
 class Terminated(Interrupted):
     """SIGTERM, as batch systems and shutdowns send it."""
 
+    name = "SIGTERM"
+
+
+class HungUp(Terminated):
+    """SIGHUP, as a terminal sends it that is closed, or lost."""
+
+    name = "SIGHUP"
+
+
+_ERRORS: dict[int, type[Interrupted]] = {signal.SIGTERM: Terminated, signal.SIGHUP: HungUp}
+
 
 @contextlib.contextmanager
 def interrupts_get_through() -> Iterator[None]:
-    """Raise :class:`Interrupted` on SIGINT and :class:`Terminated` on SIGTERM.
+    """Raise :class:`Interrupted` on SIGINT, or :class:`Terminated` on SIGTERM and SIGHUP.
 
     As soon as it would not be lost. A second signal within three seconds changes nothing:
-    the first is being answered.
+    the first is being answered. A hang-up that is ignored (``nohup``) stays so.
     """
     if threading.current_thread() is not threading.main_thread():
         yield  # signals are the main thread's business
@@ -46,7 +57,7 @@ def interrupts_get_through() -> Iterator[None]:
 
     def handle(number: int, frame: FrameType | None) -> None:
         nonlocal pending, raised
-        pending = pending or (Terminated if number == signal.SIGTERM else Interrupted)
+        pending = pending or _ERRORS.get(number, Interrupted)
         if time.monotonic() - raised < _ANSWER:
             return
         if _loses_exceptions(frame):
@@ -55,7 +66,11 @@ def interrupts_get_through() -> Iterator[None]:
             raised = time.monotonic()
             raise pending
 
-    before = {number: signal.signal(number, handle) for number in _SIGNALS}
+    before = {
+        number: signal.signal(number, handle)
+        for number in _SIGNALS
+        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN
+    }
     try:
         yield
     finally:

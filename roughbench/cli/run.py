@@ -77,10 +77,26 @@ if TYPE_CHECKING:
     help="Where: on this machine, on a Dask cluster that is running, or in jobs of Slurm.",
 )
 @click.option(
-    "--scheduler", default="", metavar="ADDRESS", help="Of the Dask cluster: tcp://host:8786."
+    "--scheduler", default="", metavar="ADDRESS", help="Of the Dask cluster: tls://host:8786."
 )
 @click.option(
     "--scheduler-file", default="", metavar="FILE", help="Of the Dask cluster, instead."
+)
+@click.option(
+    "--insecure-scheduler",
+    is_flag=True,
+    help="Take a scheduler of another machine although it has no TLS: everybody who reaches "
+    "its port can run programs as you.",
+)
+@click.option(
+    "--patience",
+    type=click.FloatRange(min=0.0, min_open=True),
+    metavar="MINUTES",
+    help="How long a cluster may be unable to compute anything before the run ends, "
+    "resumable; default: 10, or for Slurm a day.",
+)
+@click.option(
+    "--dashboard", is_flag=True, help="With Slurm: open Dask's dashboard on this machine."
 )
 @click.option(
     "--workers",
@@ -132,7 +148,13 @@ def command(
     if dry_run:
         for name in ("keep_going", "log_file"):
             options.pop(name)
-        parts = preview(loaded, output=target, cluster=cluster, **options)
+        parts = preview(
+            loaded,
+            output=target,
+            cluster=cluster,
+            measuring=lambda text: None if quiet else click.echo(text, err=True),
+            **options,
+        )
         for part in parts:
             click.echo(part)
         click.echo(_total([part.tasks for part in parts], sum(part.seconds for part in parts)))
@@ -163,6 +185,9 @@ _CLUSTER = (
     "walltime",
     "partition",
     "account",
+    "insecure_scheduler",
+    "dashboard",
+    "patience",
 )
 
 

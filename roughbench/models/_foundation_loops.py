@@ -7,11 +7,12 @@ the user's cache where this folder is read-only.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from roughbench.models._compiled import compiled
 
-@njit(cache=True, nogil=True)
+
+@compiled(nogil=True)
 def grow_regions(
     order: NDArray[np.int64],
     periodic: bool,  # noqa: FBT001 - numba knows no keyword-only arguments
@@ -56,7 +57,7 @@ def grow_regions(
         size[(i + right) % n] = joined
 
 
-@njit(cache=True, nogil=True)
+@compiled(nogil=True)
 def accumulate(steps: NDArray[np.float64], sums: NDArray[np.float64]) -> None:
     """Write the running sums of ``steps``, compensated (Neumaier 1974).
 

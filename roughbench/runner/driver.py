@@ -13,17 +13,23 @@ from roughbench.publish import check_writable, commit
 from roughbench.results import ModelResult, Results
 from roughbench.runner.assemble import assemble
 from roughbench.runner.checkpoint import Checkpoint
-from roughbench.runner.cluster import Cluster, compute_on_cluster
+from roughbench.runner.cluster import Cluster
+from roughbench.runner.dask_engine import compute_on_cluster
 from roughbench.runner.engine import Outcome
 from roughbench.runner.folder import RunFolder
 from roughbench.runner.journal import log, log_task, logged_to
-from roughbench.runner.local import compute_here, compute_in_workers
+from roughbench.runner.local import (
+    compute_here,
+    compute_in_workers,
+    refuse_in_a_new_worker,
+)
 from roughbench.runner.only import label_of, select
 from roughbench.runner.overview import Part, overview
 from roughbench.runner.plan import Cell, Task, check, plan
-from roughbench.runner.progress import Progress, Report
+from roughbench.runner.progress import COMPILING, Progress, Report
 from roughbench.runner.provenance import provenance, spent
 from roughbench.runner.resources import Sharing, check_memory, sharing
+from roughbench.runner.speed import Speeds
 from roughbench.runner.survey import Stock, survey
 from roughbench.spec import Source, Spec, load_spec
 from roughbench.store import image
@@ -113,6 +119,7 @@ def run(
     >>> [round(a, 5) for a in results["main"]["persson"]["area_mean"].tolist()]
     [0.01596, 0.15852]
     """
+    refuse_in_a_new_worker()
     resolved = load_spec(spec, overrides)
     limits = _limits(jobs, threads, max_memory, cluster)
     if output is not None:
@@ -129,8 +136,8 @@ def run(
             if folder is not None:
                 folder.write_request(_request(resolved, stocks, command))
             tasks = select(stocks, only, parts=limits.parts)
-            desk.open(stocks, progress, keep_going=keep_going)
-            _compute(tasks, limits, cluster, desk)
+            desk.open(stocks, tasks, progress, keep_going=keep_going)
+            _compute(tasks, limits, cluster, desk, folder)
             desk.finish()
             _sum_up(stocks)
             results = _results(resolved, stocks)
@@ -150,13 +157,17 @@ def preview(
     only: Sequence[str] = (),
     max_memory: int | str | None = None,
     cluster: Cluster | None = None,
+    measuring: Callable[[str], None] | None = None,
 ) -> list[Part]:
-    """Return what :func:`run` would compute, and why, without computing or writing anything.
+    """Return what :func:`run` would compute, and why, without computing or writing any of it.
 
     Parameters
     ----------
     spec, output, jobs, threads, overrides, force, only, max_memory, cluster
         As for :func:`run`.
+    measuring : callable, optional
+        Measure how fast this machine is for models that were never measured, in some
+        seconds, and keep it in the cache folder; told so. Default: by a formula.
 
     Returns
     -------
@@ -175,7 +186,10 @@ def preview(
     tasks = select(stocks, only, parts=limits.parts)
     if cluster is None:
         check_memory(tasks, limits)
-    return overview(stocks, tasks, folder)
+    speeds = Speeds()
+    if measuring is not None:
+        speeds.measure([task.cell.model for task in tasks], measuring)
+    return overview(stocks, tasks, folder, speeds)
 
 
 def _limits(
@@ -201,11 +215,21 @@ def _take_stock(
 
 
 def _compute(
-    tasks: Sequence[Task], limits: Sharing, cluster: Cluster | None, desk: _Desk
+    tasks: Sequence[Task],
+    limits: Sharing,
+    cluster: Cluster | None,
+    desk: _Desk,
+    folder: RunFolder | None,
 ) -> None:
     if cluster is not None:
         log.info("%d tasks to compute, on a %s cluster", len(tasks), cluster.kind)
-        compute_on_cluster(tasks, cluster, checkpoint_of=desk.checkpoint, listener=desk)
+        compute_on_cluster(
+            tasks,
+            cluster,
+            checkpoint_of=desk.checkpoint,
+            listener=desk,
+            folder=folder.path if folder is not None else Path.cwd(),
+        )
         return
     check_memory(tasks, limits)
     processes = limits.processes(tasks)
@@ -280,14 +304,21 @@ class _Desk:
         self._folder = folder
         self._command = command
         self._stocks: dict[tuple[str, str], Stock] = {}
+        self._tasks: Sequence[Task] = ()
         self._failed: dict[Task, Outcome] = {}
         self._keep_going = False
-        self._count: Callable[[Task, int], None] = lambda _task, _done: None
+        self._count: Callable[[Task | None, int], None] = lambda _task, _done: None
 
     def open(
-        self, stocks: Sequence[Stock], progress: Report | None, *, keep_going: bool
+        self,
+        stocks: Sequence[Stock],
+        tasks: Sequence[Task],
+        progress: Report | None,
+        *,
+        keep_going: bool,
     ) -> None:
         self._stocks = {_place(stock.cell): stock for stock in stocks}
+        self._tasks = tasks
         self._keep_going = keep_going
         self._count = _counter(stocks, progress)
 
@@ -298,6 +329,9 @@ class _Desk:
 
     def advanced(self, task: Task, done: int) -> None:
         self._count(task, done)
+
+    def compiling(self) -> None:
+        self._count(None, 0)
 
     def said(self, text: str) -> None:
         log.warning(text)
@@ -365,7 +399,11 @@ class _Desk:
         total = sum(stock.cell.n_states for stock in self._stocks.values())
         if self._folder is None or total == 0:
             return ""
-        known += self._folder.states_in_checkpoints()
+        for task in self._tasks:  # those that are finished have none any more
+            checkpoint = self.checkpoint(task)
+            known += checkpoint.done() if checkpoint is not None else 0
+        if known == 0 or not self._folder.path.is_dir():
+            return f"run it again: {self._command}" if self._command else ""
         text = f"{known} of {total} states are kept in {self._folder.path}"
         return text + (f"; resume: {self._command}" if self._command else "")
 
@@ -396,11 +434,20 @@ def _told(folder: RunFolder | None, command: str) -> Iterator[_Desk]:
         raise
 
 
-def _counter(stocks: Sequence[Stock], progress: Report | None) -> Callable[[Task, int], None]:
-    """Return a callable that adds up finished states and tells ``progress``."""
+def _counter(
+    stocks: Sequence[Stock], progress: Report | None
+) -> Callable[[Task | None, int], None]:
+    """Return a callable that adds up finished states and tells ``progress``.
+
+    Without a task it tells that loops are compiled.
+    """
     total = sum(stock.cell.n_states for stock in stocks)
+    speeds = Speeds()
     works = {
-        _place(stock.cell): stock.cell.work / len(stock.cell.pressures) for stock in stocks
+        _place(stock.cell): speeds.slowness(stock.cell.model)
+        * stock.cell.work
+        / len(stock.cell.pressures)
+        for stock in stocks
     }
     all_work = sum(works[_place(stock.cell)] * stock.cell.n_states for stock in stocks)
     done = sum(int(stock.collected.known.sum()) for stock in stocks)
@@ -410,8 +457,12 @@ def _counter(stocks: Sequence[Stock], progress: Report | None) -> Callable[[Task
         share = 1.0 if done == total else work / all_work
         progress(Progress(done, total, share, "starting"))
 
-    def advanced(task: Task, done_here: int) -> None:
+    def advanced(task: Task | None, done_here: int) -> None:
         nonlocal done, work
+        if task is None:
+            if progress is not None:
+                progress(Progress(done, total, min(1.0, work / all_work), COMPILING))
+            return
         n_states = done_here - done_of.get(task, 0)
         done_of[task] = done_here
         done += n_states

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from roughbench.errors import RoughbenchError
+from roughbench.models.compilation import compiling_told
 from roughbench.runner.checkpoint import Checkpoint
 from roughbench.runner.compute import Block, compute
 from roughbench.runner.plan import Task
@@ -39,6 +40,9 @@ class Listener(Protocol):
     def advanced(self, task: Task, done: int) -> None:
         """Hear that so many states of a running task are done."""
 
+    def compiling(self) -> None:
+        """Hear that loops are being compiled, once for all runs: it takes a while."""
+
     def ended(self, task: Task, outcome: Outcome) -> None:
         """Take the end of a task; what is raised here ends the engine."""
 
@@ -51,11 +55,15 @@ CheckpointOf = Callable[[Task], Checkpoint | None]
 
 
 def carry_out(
-    task: Task, checkpoint: Checkpoint | None, advanced: Callable[[int], None]
+    task: Task,
+    checkpoint: Checkpoint | None,
+    advanced: Callable[[int], None],
+    compiling: Callable[[], None],
 ) -> Outcome:
-    """Compute a task in this process."""
+    """Compute a task in this process; says how many states are done, and when it compiles."""
     meter = Meter()
     try:
-        return Outcome(compute(task, advanced, checkpoint), meter.read())
+        with compiling_told(compiling):
+            return Outcome(compute(task, advanced, checkpoint), meter.read())
     except Exception as error:  # noqa: BLE001, RUF100  (whatever it is, it is this task's end)
         return Outcome(error=error, trace="".join(traceback.format_exception(error)))

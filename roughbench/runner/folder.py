@@ -319,10 +319,6 @@ class RunFolder:
         """Return the keys of all identities that the folder has checkpoints of."""
         return {path.name.partition("-")[0] for path in _entries(self._checkpoints)}
 
-    def states_in_checkpoints(self) -> int:
-        """Return the number of finished states of unfinished curves."""
-        return sum(Checkpoint(path).done() for path in _entries(self._checkpoints))
-
     def write_request(self, request: dict[str, Any]) -> None:
         """Note what the run was asked for, for ``status``."""
         commit(json.dumps(request, indent=1).encode(), self.path / "run.json")

@@ -16,7 +16,7 @@ import signal
 import threading
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from multiprocessing import get_context, resource_tracker
+from multiprocessing import current_process, get_context, resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Any
@@ -30,7 +30,25 @@ from roughbench.runner.resources import Sharing, memory_of
 ATTEMPTS = 3
 """How often a task is given to a worker before its death is taken for the task's fault."""
 
-_SIGNALS = {signal.SIGINT, signal.SIGTERM}
+_WORKER = "roughbench worker"
+_NO_GUARD = 88
+"""Exit code of a worker that was told to run what had started it."""
+_NEEDS_GUARD = (
+    "worker processes import the script that calls run, and it calls run again there; put the "
+    "call under the guard if __name__ == '__main__', or say jobs=1"
+)
+
+_SIGNALS = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
+
+
+def refuse_in_a_new_worker() -> None:
+    """End this process at once if it is a worker that imports the script of its parent.
+
+    A worker imports the main script to find what is defined there. If that calls ``run``
+    outside of a guard, each worker would start workers of its own; the parent says so.
+    """
+    if current_process().name == _WORKER and not _at_work:
+        os._exit(_NO_GUARD)
 
 
 def compute_here(
@@ -42,7 +60,8 @@ def compute_here(
         def advanced(done: int, task: Task = task) -> None:
             listener.advanced(task, done)
 
-        listener.ended(task, carry_out(task, checkpoint_of(task), advanced))
+        outcome = carry_out(task, checkpoint_of(task), advanced, listener.compiling)
+        listener.ended(task, outcome)
 
 
 def compute_in_workers(
@@ -95,6 +114,8 @@ def compute_in_workers(
                     continue
                 if kind == "advanced" and task is not None:
                     listener.advanced(task, content)
+                elif kind == "compiling":
+                    listener.compiling()
                 elif kind == "ended" and task is not None:
                     worker.task = None
                     free = True
@@ -157,7 +178,7 @@ class _Crew:
         for _ in range(ATTEMPTS):
             pipe, theirs = self._context.Pipe()
             process = self._context.Process(
-                target=_work, args=(theirs, self._watched), daemon=True
+                target=_work, name=_WORKER, args=(theirs, self._watched), daemon=True
             )
             with _signals_held_back(), contextlib.suppress(BrokenPipeError):  # dead already
                 process.start()
@@ -186,11 +207,13 @@ class _Crew:
         worker.process.join()
         worker.pipe.close()
         code = worker.process.exitcode or 0
+        if code == _NO_GUARD and not worker.ready:
+            raise RoughbenchError(_NEEDS_GUARD) from None
         if code >= 0 and not worker.ready and not self._one_was_ready:
             raise RoughbenchError(
-                "no worker process could be started; a script that calls run with jobs > 1 "
-                "needs the guard if __name__ == '__main__', or jobs=1"
-            )
+                f"no worker process could be started: it ended with exit code {code} while it "
+                "imported the script that calls run, or roughbench; say jobs=1 to do without"
+            ) from None
         return f"was killed by signal {-code}" if code < 0 else f"ended with exit code {code}"
 
     def close(self) -> None:
@@ -216,27 +239,46 @@ def _crew() -> Iterator[_Crew]:
 
 @contextlib.contextmanager
 def _signals_held_back() -> Iterator[None]:
-    """Hold SIGINT and SIGTERM back; workers started meanwhile inherit that for good.
+    """Hold signals back; workers started meanwhile inherit that for good.
 
-    One that comes meanwhile is delivered here afterwards.
+    One that comes meanwhile is answered here afterwards. To block it in this thread is not
+    enough for that: any other thread may take it, and have this one raise the exception.
     """
+    came: list[int] = []
+    handlers = {}
+    if threading.current_thread() is threading.main_thread():
+        for number in (*_SIGNALS, signal.SIGALRM):  # an answer may be put off by an alarm
+            if callable(signal.getsignal(number)):
+                handlers[number] = signal.signal(number, lambda number, _: came.append(number))
     before = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
     try:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        for late in dict.fromkeys(came):
+            signal.raise_signal(late)
 
 
 # -- workers, from inside ----------------------------------------------------------------
 
 
+_at_work = False
+
+
 def _work(pipe: Connection, watched: Connection) -> None:
+    global _at_work
+    _at_work = True
     for number in _SIGNALS:
         signal.signal(number, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, args=(watched,), daemon=True).start()
 
     def tell(kind: str, content: Any) -> None:
-        pipe.send((kind, content))
+        try:
+            pipe.send((kind, content))
+        except OSError:  # the parent is gone, and nobody wants to know any more
+            os._exit(1)
 
     tell("ready", None)
     while True:
@@ -244,7 +286,12 @@ def _work(pipe: Connection, watched: Connection) -> None:
             task, checkpoint = pipe.recv()
         except (EOFError, OSError):
             return
-        outcome = carry_out(task, checkpoint, lambda done: tell("advanced", done))
+        outcome = carry_out(
+            task,
+            checkpoint,
+            lambda done: tell("advanced", done),
+            lambda: tell("compiling", None),
+        )
         tell("ended", outcome.portable())
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from roughbench.runner.folder import RunFolder, realizations_of
 from roughbench.runner.plan import Cell, Task
 from roughbench.runner.resources import memory_of
+from roughbench.runner.speed import Speeds
 from roughbench.runner.survey import Stock
 
 
@@ -66,7 +67,10 @@ class Part:
 
 
 def overview(
-    stocks: Sequence[Stock], tasks: Sequence[Task], folder: RunFolder | None
+    stocks: Sequence[Stock],
+    tasks: Sequence[Task],
+    folder: RunFolder | None,
+    speeds: Speeds | None = None,
 ) -> list[Part]:
     """Return how the realizations of each model stand, those alike together.
 
@@ -77,7 +81,10 @@ def overview(
         What is to be computed.
     folder : RunFolder or None
         Where finished states of unfinished curves may be.
+    speeds : Speeds, optional
+        How fast this machine is; default: as it was measured before.
     """
+    speeds = speeds or Speeds()
     planned: dict[Cell, list[Task]] = {}
     for task in tasks:
         planned.setdefault(task.cell, []).append(task)
@@ -88,12 +95,14 @@ def overview(
         start = 0
         for reason, group in groupby(reasons):
             stop = start + len(list(group))
-            parts.append(_part(stock, range(start, stop), reason, own))
+            parts.append(_part(stock, range(start, stop), reason, own, speeds))
             start = stop
     return parts
 
 
-def _part(stock: Stock, rows: range, reason: str, tasks: Sequence[Task]) -> Part:
+def _part(
+    stock: Stock, rows: range, reason: str, tasks: Sequence[Task], speeds: Speeds
+) -> Part:
     own = [task for task in tasks if task.realizations.start < rows.stop]
     own = [task for task in own if task.realizations.stop > rows.start]
     return Part(
@@ -104,7 +113,8 @@ def _part(stock: Stock, rows: range, reason: str, tasks: Sequence[Task]) -> Part
         states=len(rows) * len(stock.cell.pressures),
         done=int(np.count_nonzero(stock.collected.known[rows.start : rows.stop])),
         tasks=len(own),
-        seconds=sum(1e-6 * task.work * task.n_states for task in own),
+        seconds=speeds.slowness(stock.cell.model)
+        * sum(1e-6 * task.work * task.n_states for task in own),
         memory=max((memory_of(task) for task in own), default=0),
     )
 

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+COMPILING = "compiling, once"
+"""What is said while loops are compiled: later runs find them."""
+
 
 @dataclass(frozen=True, slots=True)
 class Progress:

@@ -124,22 +124,52 @@ def test_a_line_in_thirty_seconds_without_a_terminal(
         time.sleep(0.3)  # and lines come while nothing is new
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) >= 3
-    assert all(line.startswith("25% done after 0.") for line in lines)
-    assert all(line.endswith(" s: 1 of 4 states, state 1") for line in lines)
+    assert all(line.startswith("0.") for line in lines)
+    assert all(line.endswith(" s, 25 %, 1/4 states: state 1") for line in lines)
 
 
-def test_the_time_left_does_not_count_what_was_compiled_first(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize("share", [0.0, 0.999999])
+def test_the_percentage_is_that_of_the_counts_and_lines_are_short(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, share: float
 ) -> None:
+    """It was 97 % at 33 of 63 states, in 110 columns."""
+    monkeypatch.setattr(cli_progress, "SECONDS_BETWEEN_LINES", 0.05)
+    text = "main/foundation, realizations 1 to 20 of 20, pressure 3 of 20"
+    with cli_progress.progress_shown(quiet=False, verbose=False) as report:
+        assert report is not None
+        report(Progress(62999, 63000, share, text))
+        time.sleep(0.2)
+    lines = capsys.readouterr().err.splitlines()
+    assert lines
+    for line in lines:
+        assert " s, 99 %, 62999/63000 states: main/foundation, " in line
+        assert len(line) == 60
+
+
+def test_the_time_left_settles(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It does not count what was compiled, nor jump, and counts down between news."""
     clock = [0.0]
     monkeypatch.setattr(time, "monotonic", lambda: clock[0])
     pace = cli_progress._Pace()
     told = []
-    for now, share in ((0.0, 0.2), (100.0, 0.3), (101.0, 0.4), (104.0, 0.7), (107.0, 1.0)):
+    for now, share, text in (
+        (0.0, 0.2, "starting"),
+        (1.0, 0.2, "compiling, once"),
+        (100.0, 0.3, "a"),
+        (101.0, 0.31, "a"),
+        (102.0, 0.32, "a"),
+        (104.0, 0.34, "a"),
+        (110.0, 0.40, "a"),
+        (130.0, 0.60, "a"),
+    ):
         clock[0] = now
-        pace.note(Progress(0, 10, share, ""))
-        told.append(pace.left(share))
-    assert told == ["", "", ", about 6.0 s left", ", about 3.0 s left", ""]
+        pace.note(Progress(0, 10, share, text))
+        told.append(pace.left())
+    assert told == ["", "", "", "", "", ", 2 min left", ", 1 min left", ", 40 s left"]
+    clock[0] = 150.0
+    assert pace.left() == ", 20 s left"  # and no more than there was
+    clock[0] = 200.0
+    assert pace.left() == ", 1 s left"
 
 
 def test_a_bar_on_a_terminal(folder: Path) -> None:
@@ -276,7 +306,11 @@ def started(start: Callable[..., Popen], jobs: int) -> Popen:
 @pytest.mark.parametrize("jobs", [1, 2])
 @pytest.mark.parametrize(
     ("number", "code", "told"),
-    [(signal.SIGINT, 130, "interrupted"), (signal.SIGTERM, 3, "stopped by SIGTERM")],
+    [
+        (signal.SIGINT, 130, "interrupted"),
+        (signal.SIGTERM, 3, "stopped by SIGTERM"),
+        (signal.SIGHUP, 3, "stopped by SIGHUP"),
+    ],
 )
 def test_a_signal_ends_it_cleanly(
     results: Path,
@@ -308,6 +342,35 @@ def test_a_signal_ends_it_cleanly(
     assert any(": new (" in line for line in planned)
 
 
+def test_a_terminal_that_is_closed_ends_it_cleanly(folder: Path, invoke: Invoke) -> None:
+    ours, theirs = pty.openpty()
+    command = [sys.executable, "-m", "roughbench", "run", "small.yaml", "-j", "2", *LONG]
+    process = subprocess.Popen(
+        ["setsid", "--ctty", *command],
+        stdin=theirs,
+        stdout=theirs,
+        stderr=theirs,
+        env=os.environ | {"PYTHONPATH": str(Path(rb.__file__).parents[1])},
+    )
+    os.close(theirs)
+    shards = folder / "small.h5.rbrun" / "shards"
+    for _ in range(600):
+        if list(shards.rglob("*.npz")):
+            break
+        os.set_blocking(ours, False)
+        with contextlib.suppress(BlockingIOError):
+            os.read(ours, 100000)
+        time.sleep(0.1)
+    os.close(ours)
+    assert process.wait(30) == 3
+    assert_no_process_left(process.pid)
+    log = (folder / "small.h5.rbrun" / "run.log").read_text()
+    assert "ended by HungUp" in log
+    assert " of 300003 states are kept in small.h5.rbrun; resume: " in log
+    planned = invoke("run", "small.yaml", "-n", *LONG).stdout.splitlines()
+    assert any(line.endswith(": done") for line in planned)
+
+
 def test_a_full_disk_leaves_a_run_to_resume(folder: Path, invoke: Invoke) -> None:
     """Files may have 2 kB, as if the disk were full then: less than a shard."""
     command = f"ulimit -f 2; exec {sys.executable} -m roughbench run small.yaml"
@@ -320,8 +383,7 @@ def test_a_full_disk_leaves_a_run_to_resume(folder: Path, invoke: Invoke) -> Non
     assert first.startswith("error: cannot write small.h5.rbrun/shards/")
     assert "File too large; choose another place with -o, or make room" in first
     assert first.endswith("main/foundation, realizations 1 to 20 of 20 is lost")
-    resume = "resume: roughbench run small.yaml"
-    assert second == f"0 of 63 states are kept in small.h5.rbrun; {resume}"
+    assert second == "run it again: roughbench run small.yaml"
     assert not (folder / "small.h5").exists()
     assert not list(folder.rglob("*.tmp"))
     assert invoke("run", "small.yaml").exit_code == 0

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import json
-import os
 import signal
-import subprocess
+import socket
 import sys
 import threading
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -18,80 +15,21 @@ import pytest
 
 import roughbench as rb
 from roughbench.errors import IncompleteError
-from roughbench.runner import Cluster, Progress, cluster, driver
+from roughbench.runner import Cluster, Progress, dask_engine, driver
 from roughbench.runner.plan import Cell
 from roughbench.spec import load_spec
+from tests.runner.dask_processes import SPEC, Processes, dask_processes
 from tests.runner.fakes import Fake, Misdeed
 
 pytest.importorskip("distributed")
 
-SPEC = {
-    "surface": {"H": 0.7, "q0": 1.0, "qr": 2.0, "q1": 8.0, "slope": 0.1},
-    "pressures": [0.001, 0.01, 0.1],
-    "realizations": 4,
-    "models": [{"kind": "bem", "grid": 32}, {"kind": "foundation"}, {"kind": "persson"}],
-}
-
-
-@dataclass
-class Processes:
-    """A scheduler and its workers on the loopback interface."""
-
-    folder: Path
-    environment: dict[str, str]
-    workers: list[subprocess.Popen[bytes]] = field(default_factory=list)
-    scheduler: subprocess.Popen[bytes] | None = None
-
-    @property
-    def file(self) -> Path:
-        return self.folder / "scheduler.json"
-
-    @property
-    def here(self) -> Cluster:
-        return Cluster("dask", scheduler_file=str(self.file))
-
-    def dask(self, *arguments: object) -> subprocess.Popen[bytes]:
-        command = [sys.executable, "-m", "distributed.cli.dask_" + str(arguments[0])]
-        return subprocess.Popen(
-            [*command, *map(str, arguments[1:])],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            env=self.environment,
-        )
-
-    def start_scheduler(self) -> None:
-        options = ("--host", "127.0.0.1", "--port", 0, "--no-dashboard")
-        self.scheduler = self.dask("scheduler", *options, "--scheduler-file", self.file)
-        for _ in range(300):
-            if self.file.exists() and json.loads(self.file.read_text() or "{}"):
-                return
-            time.sleep(0.1)
-        pytest.fail("no scheduler")
-
-    def start_worker(self, *options: object) -> subprocess.Popen[bytes]:
-        address = json.loads(self.file.read_text())["address"]
-        fixed = ("--nthreads", 1, "--no-nanny", "--no-dashboard")
-        worker = self.dask("worker", address, *fixed, *options)
-        self.workers.append(worker)
-        return worker
-
-    def end(self) -> None:
-        for process in (*self.workers, self.scheduler):
-            if process is not None:
-                process.kill()
-                process.wait()
-
 
 @pytest.fixture(scope="module")
 def processes(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Processes]:
-    root = str(Path(rb.__file__).parents[1])
-    folder = tmp_path_factory.mktemp("dask")
-    found = Processes(folder, os.environ | {"PYTHONPATH": root})
-    found.start_scheduler()
-    found.start_worker("--memory-limit", "2GiB")
-    found.start_worker("--memory-limit", "2GiB")
-    yield found
-    found.end()
+    with dask_processes(tmp_path_factory.mktemp("dask")) as found:
+        found.start_worker("--memory-limit", "2GiB")
+        found.start_worker("--memory-limit", "2GiB")
+        yield found
 
 
 def fakes(monkeypatch: pytest.MonkeyPatch, n: int, misdeed: Misdeed, **options: Any) -> Cell:
@@ -177,7 +115,7 @@ def test_a_deadly_task_is_given_up(
 def test_workers_with_other_code_are_refused(
     processes: Processes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cluster, "code_digest", lambda _: "f" * 12)
+    monkeypatch.setattr(dask_engine, "code_digest", lambda _: "f" * 12)
     with pytest.raises(rb.RoughbenchError, match="has another version of roughbench; install"):
         rb.run(SPEC, cluster=processes.here)
 
@@ -195,19 +133,11 @@ def test_what_no_worker_can_do_is_an_error_at_once(processes: Processes) -> None
 
 
 @pytest.mark.slow
-def test_without_workers_and_without_their_scheduler(
-    processes: Processes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_too_small_workers_and_a_scheduler_that_dies(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    own = Processes(tmp_path, processes.environment)
-    own.start_scheduler()
-    monkeypatch.setattr(cluster, "SECONDS_FOR_WORKERS", 1.0)
-    try:
-        with pytest.raises(
-            rb.RoughbenchError, match="has no workers; start some with: dask wo"
-        ):
-            rb.run(SPEC, cluster=own.here)
+    with dask_processes(tmp_path) as own:
         own.start_worker("--resources", "MEMGB=0.1")
-        monkeypatch.setattr(cluster, "SECONDS_FOR_WORKERS", 30.0)
         with pytest.raises(rb.RoughbenchError, match=r"1 workers has 0\.1; start"):
             rb.run(SPEC, cluster=own.here)
         own.start_worker("--resources", "MEMGB=1")
@@ -222,75 +152,108 @@ def test_without_workers_and_without_their_scheduler(
 
         with pytest.raises(IncompleteError, match="connection to the Dask scheduler is lost"):
             rb.run(SPEC, cluster=own.here, progress=kill)
-    finally:
-        own.end()
 
 
 def test_a_scheduler_that_is_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cluster, "SECONDS_FOR_SCHEDULER", 0.5)
-    with pytest.raises(rb.RoughbenchError, match=r"tcp://127\.0\.0\.1:1 does not answer"):
+    monkeypatch.setattr(dask_engine, "SECONDS_FOR_SCHEDULER", 0.5)
+    with pytest.raises(
+        rb.RoughbenchError, match=r"tcp://127\.0\.0\.1:1 does not answer .*refused"
+    ):
         rb.run(SPEC, cluster=Cluster("dask", scheduler="tcp://127.0.0.1:1"))
-    with pytest.raises(rb.RoughbenchError, match="does not answer"):
-        rb.run(SPEC, cluster=Cluster("dask", scheduler="what://is this"))
-    missing = str(tmp_path / "s.json")
+    file = tmp_path / "s.json"
+    where = Cluster("dask", scheduler_file=str(file))
     with pytest.raises(rb.RoughbenchError, match=r"s\.json: no such scheduler file"):
-        rb.run(SPEC, cluster=Cluster("dask", scheduler_file=missing))
+        rb.run(SPEC, cluster=where)
+    for content, fault in (
+        ("{", "is no scheduler file of Dask"),
+        ("[]", "names no address"),
+        (
+            '{"address": "inproc://127.0.0.1/1/1"}',
+            "the address of the scheduler must read like",
+        ),
+        ('{"address": "tcp://10.0.0.7:8786"}', "has no TLS"),
+    ):
+        file.write_text(content)
+        with pytest.raises(rb.RoughbenchError, match=fault):
+            rb.run(SPEC, cluster=where)
+
+
+def test_something_else_than_a_scheduler_is_not_waited_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(dask_engine, "SECONDS_FOR_SCHEDULER", 1.0)
+    with socket.create_server(("127.0.0.1", 0)) as listening:  # it never says anything
+        port = listening.getsockname()[1]
+        start = time.monotonic()
+        with pytest.raises(rb.RoughbenchError, match=f"{port} does not answer"):
+            rb.run(SPEC, cluster=Cluster("dask", scheduler=f"127.0.0.1:{port}"))
+    assert time.monotonic() - start < 20.0  # it was 41 s, and a traceback
+
+
+@pytest.mark.parametrize(
+    "address",
+    ["foo", "what://is this", "http://a:1", "tcp://a", "tcp://a:0", "tcp://a:65536", "a:b:1"],
+)
+def test_a_malformed_address_is_refused_at_once(address: str) -> None:
+    with pytest.raises(rb.RoughbenchError, match=r"must read like tls://host:8786 .*, got '"):
+        Cluster("dask", scheduler=address)
+
+
+@pytest.mark.parametrize(
+    ("address", "protected"),
+    [
+        ("tcp://127.0.0.1:8786", True),
+        ("127.8.9.10:8786", True),
+        ("tcp://[::1]:8786", True),
+        ("localhost:8786", True),
+        ("tls://node7:8786", True),
+        ("wss://node7:8786", True),
+        ("tcp://node7:8786", False),
+        ("node7:8786", False),
+        ("tcp://10.0.0.7:8786", False),
+        ("tcp://0.0.0.0:8786", False),
+        ("ws://node7:8786", False),
+        ("tcp://localhost.evil.example:8786", False),
+    ],
+)
+def test_a_scheduler_without_tls_needs_a_word(
+    address: str,
+    protected: bool,  # noqa: FBT001
+) -> None:
+    where = Cluster("dask", scheduler=address)
+    if protected:
+        assert where.address() == address
+        return
+    with pytest.raises(rb.RoughbenchError, match="or say --insecure-scheduler if you trust"):
+        where.address()
+    with pytest.raises(rb.RoughbenchError, match="has no TLS and is not on the loopback"):
+        rb.run(SPEC, cluster=where)
+    assert Cluster("dask", scheduler=address, insecure_scheduler=True).address() == address
+
+
+def test_tls_without_a_certificate_is_said_at_once() -> None:
+    with pytest.raises(
+        rb.RoughbenchError, match="wants a certificate; name its files in DASK_"
+    ):
+        rb.run(SPEC, cluster=Cluster("dask", scheduler="tls://127.0.0.1:1"))
 
 
 def test_a_cluster_that_is_not_clear() -> None:
-    with pytest.raises(rb.RoughbenchError, match="needs --scheduler tcp://host:port or"):
+    with pytest.raises(rb.RoughbenchError, match="needs --scheduler tls://host:port or"):
         Cluster("dask")
     with pytest.raises(rb.RoughbenchError, match="one of the two"):
         Cluster("dask", scheduler="tcp://a:1", scheduler_file="s.json")
     with pytest.raises(rb.RoughbenchError, match="starts its own scheduler"):
         Cluster("slurm", scheduler="tcp://a:1")
+    with pytest.raises(rb.RoughbenchError, match="--dashboard is for --engine slurm"):
+        Cluster("dask", scheduler="tcp://a:1", dashboard=True)
+    with pytest.raises(rb.RoughbenchError, match="positive number of minutes, got -1"):
+        Cluster("slurm", patience=-1.0)
 
 
-@pytest.mark.parametrize(
-    ("kind", "package"), [("dask", "distributed"), ("slurm", "dask_jobqueue")]
-)
-def test_without_dask(monkeypatch: pytest.MonkeyPatch, kind: Any, package: str) -> None:
-    monkeypatch.setitem(sys.modules, package, None)
-    where = Cluster(kind, scheduler="tcp://127.0.0.1:1" * (kind == "dask"))
+def test_without_dask(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(
         rb.RoughbenchError, match=r"install it with: pip install 'roughbench\[da"
     ):
-        rb.run(SPEC, cluster=where)
-
-
-def test_ctrl_c_stays_ours_with_slurm(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in [name for name in sys.modules if name.startswith("dask_jobqueue")]:
-        monkeypatch.delitem(sys.modules, name)
-    before = signal.getsignal(signal.SIGINT)
-    try:
-        assert cluster._slurm_cluster().__name__ == "SLURMCluster"
-    except rb.RoughbenchError:
-        pytest.skip("dask-jobqueue is not installed")
-    assert signal.getsignal(signal.SIGINT) is before
-
-
-def test_the_jobs_of_slurm_are_made_for_the_tasks(monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("distributed")
-    asked: dict[str, Any] = {}
-
-    class RecordedError(Exception):
-        pass
-
-    def record(**options: Any) -> None:
-        asked.update(options)
-        raise RecordedError
-
-    monkeypatch.setattr(cluster, "_slurm_cluster", lambda: record)
-    with pytest.raises(RecordedError):
-        rb.run(
-            SPEC, threads=3, cluster=Cluster("slurm", walltime="00:10:00", partition="short")
-        )
-    assert asked == {
-        "cores": 3,
-        "processes": 1,
-        "memory": "2 GiB",
-        "walltime": "00:10:00",
-        "worker_extra_args": ["--nthreads", "1", "--resources", "MEMGB=1"],
-        "queue": "short",
-        "account": None,
-    }
+        rb.run(SPEC, cluster=Cluster("dask", scheduler="tcp://127.0.0.1:1"))

@@ -37,6 +37,7 @@ class Spy:
     texts: list[str] = field(default_factory=list)
     running: int = 0
     most: int = 0
+    compiled: bool = False
 
     def advanced(self, task: Task, done: int) -> None:
         self.news.append((task, done))
@@ -44,6 +45,9 @@ class Spy:
     def ended(self, task: Task, outcome: Outcome) -> None:
         assert task not in self.ends
         self.ends[task] = outcome
+
+    def compiling(self) -> None:
+        self.compiled = True
 
     def said(self, text: str) -> None:
         self.texts.append(text)
@@ -152,6 +156,61 @@ def test_killing_workers_at_random_changes_nothing(small_spec: dict[str, Any]) -
     assert not lost
 
 
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_that_another_thread_takes_waits_too(number: signal.Signals) -> None:
+    """Else a worker that is just being started reads half a message: EOFError."""
+
+    class StoppedError(Exception):
+        pass
+
+    def handle(_number: int, _frame: object) -> None:
+        raise StoppedError
+
+    stop = threading.Event()
+    thread = threading.Thread(target=stop.wait)  # blocks no signals
+    thread.start()
+    before = signal.signal(number, handle)
+    waited: list[bool] = []
+
+    def start_a_worker() -> None:
+        with local._signals_held_back():
+            os.kill(os.getpid(), number)
+            time.sleep(0.2)
+            waited.append(True)
+
+    try:
+        with pytest.raises(StoppedError):
+            start_a_worker()
+        assert waited
+        assert signal.getsignal(number) is handle
+        assert number not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
+    finally:
+        signal.signal(number, before)
+        stop.set()
+        thread.join()
+
+
+def test_a_worker_whose_parent_is_gone_says_nothing() -> None:
+    """It ends without a word when it has news for nobody."""
+    program = (
+        "import os, threading\n"
+        "from multiprocessing import Pipe\n"
+        "from roughbench.runner import local\n"
+        "ours, theirs = Pipe()\n"
+        "watched, alive = Pipe(duplex=False)\n"
+        "ours.close()\n"
+        "local._work(theirs, watched)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | {"PYTHONPATH": str(Path(rb.__file__).parents[1])},
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (1, "", "")
+
+
 def test_an_error_of_the_listener_ends_everything_at_once(small_spec: dict[str, Any]) -> None:
     class Full(Spy):
         def ended(self, task: Task, outcome: Outcome) -> None:
@@ -170,20 +229,42 @@ def test_an_error_of_the_listener_ends_everything_at_once(small_spec: dict[str, 
     assert time.monotonic() - start < 10.0
 
 
-def test_a_script_without_a_guard_is_told(tmp_path: Path) -> None:
+SCRIPT = """\
+import roughbench as rb
+surface = {'H': 0.7, 'q0': 1.0, 'q1': 32.0, 'slope': 0.1}
+models = [{'kind': 'persson'}, {'kind': 'foundation', 'springs': 64}]
+spec = {'surface': surface, 'pressures': [0.1], 'models': models}
+"""
+
+
+@pytest.mark.parametrize("output", ["", ", output='r.h5'"])
+def test_a_script_without_a_guard_is_told(tmp_path: Path, output: str) -> None:
     script = tmp_path / "script.py"
-    script.write_text(
-        "import roughbench as rb\n"
-        "surface = {'H': 0.7, 'q0': 1.0, 'q1': 32.0, 'slope': 0.1}\n"
-        "models = [{'kind': 'persson'}, {'kind': 'foundation', 'springs': 64}]\n"
-        "rb.run({'surface': surface, 'pressures': [0.1], 'models': models}, jobs=2)\n"
-    )
+    script.write_text(f"{SCRIPT}rb.run(spec, jobs=2{output})\n")
     environment = os.environ | {"PYTHONPATH": str(Path(rb.__file__).parents[1])}
     done = subprocess.run(
-        [sys.executable, script], capture_output=True, text=True, check=False, env=environment
+        [sys.executable, script],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=environment,
+        cwd=tmp_path,
     )
     assert done.returncode == 1
-    assert "needs the guard if __name__ == '__main__', or jobs=1" in done.stderr
+    assert done.stderr.count("Traceback") == 1  # that of the script; it was 92 lines
+    message = "put the call under the guard if __name__ == '__main__', or say jobs=1"
+    assert done.stderr.count(message) == 1
+    assert len(done.stderr.splitlines()) < 20
+    script.write_text(f"{SCRIPT}if __name__ == '__main__':\n    rb.run(spec, jobs=2{output})\n")
+    guarded = subprocess.run(
+        [sys.executable, script],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=environment,
+        cwd=tmp_path,
+    )
+    assert (guarded.returncode, guarded.stderr) == (0, "")
 
 
 # -- who may start -------------------------------------------------------------------------

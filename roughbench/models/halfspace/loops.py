@@ -28,6 +28,8 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from roughbench.models._compiled import compiled
+
 TILE = 8
 """Points per tile and direction."""
 
@@ -47,7 +49,7 @@ whose 191,000, 116,000 and 68,000 edges it takes 0.09, 0.011 and 0.0015 % for pr
 # Sums may be reordered, and minima taken, by vector instructions. Infinities keep their
 # meaning; a NaN still reaches the sums that the solver checks.
 _FLAGS = {"reassoc", "contract", "arcp", "nsz", "nnan"}
-_loop = numba.njit(nogil=True, cache=True, error_model="numpy", fastmath=_FLAGS)
+_loop = compiled(nogil=True, error_model="numpy", fastmath=_FLAGS)
 _inline = numba.njit(inline="always", error_model="numpy", fastmath=_FLAGS)
 
 Blocks = Sequence[tuple[int, int]]
