@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -59,3 +60,35 @@ class SpecError(RoughbenchError):
     def __init__(self, faults: Sequence[Fault]) -> None:
         self.faults = tuple(faults)
         super().__init__("\n".join(str(fault) for fault in self.faults))
+
+
+_REMEDIES = {
+    errno.EACCES: "check the permissions of it and of its folders",
+    errno.EPERM: "check the permissions of it and of its folders",
+    errno.EROFS: "it is on a disk that can only be read; choose a place on another",
+    errno.ENAMETOOLONG: "choose a shorter name",
+    errno.ELOOP: "its symbolic links lead in circles",
+    errno.ENOENT: "check the name",
+    errno.ENOTDIR: "a part of its path is no folder; check the name",
+    errno.ENOSPC: "make room there",
+    errno.EDQUOT: "make room there",
+    errno.EFBIG: "make room there",
+    errno.EMFILE: "allow more open files (ulimit -n), or take fewer jobs (-j)",
+    errno.ENFILE: "close other programs, or take fewer jobs (-j)",
+    errno.EAGAIN: "allow more processes (ulimit -u), or take fewer jobs (-j)",
+    errno.EIO: "the disk fails; choose a place on another",
+    errno.ESTALE: "the network disk was lost; mount it again",
+}
+
+
+def explained(error: OSError) -> str:
+    """Return what the system says, and what to do about it.
+
+    Examples
+    --------
+    >>> explained(OSError(errno.ENAMETOOLONG, "File name too long", "x" * 300))
+    'File name too long; choose a shorter name'
+    """
+    reason = error.strerror or str(error)
+    remedy = _REMEDIES.get(error.errno or 0)
+    return f"{reason}; {remedy}" if remedy else reason

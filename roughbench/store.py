@@ -24,11 +24,11 @@ import numpy as np
 
 from roughbench.errors import StoreError
 from roughbench.models.base import Status
-from roughbench.publish import commit
+from roughbench.outputs import Kind, write_output
 from roughbench.results import Array, Attribute, ModelResult, Results
 from roughbench.variables import STORABLE, dimensions, fits
 
-__all__ = ["FORMAT_VERSION", "ModelResult", "Results", "commit", "load", "write_results"]
+__all__ = ["FORMAT_VERSION", "RESULTS", "ModelResult", "Results", "load", "write_results"]
 
 FORMAT = "roughbench"
 FORMAT_VERSION = 2
@@ -39,13 +39,14 @@ _HDF5 = b"\x89HDF\r\n\x1a\n"
 _SEAL = b"\nroughbench-sha256:"
 _SEAL_LENGTH = len(_SEAL) + 65
 
+_ATTRIBUTES = (b"format_version", b"spec_sha256", FORMAT.encode())
 _REQUIRED = ("pressure", "status")
 _RERUN = "run its spec again (roughbench run SPEC.yaml)"
 _counter = itertools.count()
 
 
 def write_results(results: Results, path: str | os.PathLike[str]) -> Path:
-    """Write the results file; an existing file is replaced in one step, or left as it is.
+    """Write the results file; one that is there is replaced in one step, or left as it is.
 
     Parameters
     ----------
@@ -61,9 +62,9 @@ def write_results(results: Results, path: str | os.PathLike[str]) -> Path:
     Raises
     ------
     StoreError
-        If the file cannot be written.
+        If the file cannot be written, or stands where another file is.
     """
-    return commit(image(results), path)
+    return write_output(image(results), path, RESULTS)
 
 
 def load(path: str | os.PathLike[str]) -> Results:
@@ -97,7 +98,31 @@ def load(path: str | os.PathLike[str]) -> Results:
         raise StoreError(f"{source}: damaged ({error}); {_RERUN}") from error
 
 
+def whose(path: str | os.PathLike[str]) -> tuple[str, str] | None:
+    """Return the name and the hash of the spec that a results file is of.
+
+    None if there is no sound results file, so that there are no results to lose.
+    """
+    source = Path(path)
+    try:
+        _check_seal(source)
+        with h5py.File(source, "r") as file:
+            return str(file.attrs["name"]), str(file.attrs["spec_sha256"])
+    except (StoreError, OSError, KeyError, RuntimeError, ValueError, TypeError):
+        return None
+
+
 # -- writing -----------------------------------------------------------------------------
+
+
+def _is_results(head: bytes, tail: bytes) -> bool:
+    """Whether a file is one of ours, perhaps damaged at one end."""
+    if _SEAL in tail[-2 * _SEAL_LENGTH :]:
+        return True
+    return head.startswith(_HDF5) and all(word in head for word in _ATTRIBUTES)
+
+
+RESULTS = Kind("results file", _is_results)
 
 
 def image(results: Results) -> bytes:

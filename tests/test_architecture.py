@@ -12,8 +12,10 @@ import pytest
 import roughbench
 
 LAYERS = (
+    "text",
     "errors",
     "publish",
+    "outputs",
     "spectrum",
     "surface",
     "heights_file",

@@ -21,7 +21,7 @@ from hypothesis.extra import numpy as hypothesis_numpy
 
 from roughbench import store
 from roughbench.errors import StoreError
-from roughbench.publish import check_writable
+from roughbench.outputs import check_output
 from roughbench.results import Array, Attribute, ModelResult, Results
 from roughbench.store import load, write_results
 from roughbench.variables import dimensions
@@ -245,20 +245,18 @@ def test_a_killed_writer_leaves_a_whole_file(path: Path) -> None:
 
 def test_refuses_places_that_it_cannot_write_to(tmp_path: Path) -> None:
     with pytest.raises(
-        StoreError, match=r"cannot write .*No such file .* choose another place"
+        StoreError, match=r"cannot write .*No such file .* choose another place with -o"
     ):
         write_results(results(), tmp_path / "missing" / "r.h5")
-    with pytest.raises(StoreError, match=r"no such folder .*create it first"):
-        check_writable(tmp_path / "missing" / "r.h5")
     with pytest.raises(StoreError, match="it is a folder"):
-        check_writable(tmp_path)
-    check_writable(tmp_path / "new.h5")
+        check_output(tmp_path, store.RESULTS)
+    assert check_output(tmp_path / "missing" / "r.h5", store.RESULTS).name == "r.h5"
 
 
 def test_asks_for_permission_before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "access", lambda *_: False)  # root may write anywhere
-    with pytest.raises(StoreError, match="no permission in"):
-        check_writable(tmp_path / "r.h5")
+    with pytest.raises(StoreError, match="no permission to write in"):
+        check_output(tmp_path / "r.h5", store.RESULTS)
 
 
 def test_refuses_types_that_the_file_does_not_know(tmp_path: Path) -> None:

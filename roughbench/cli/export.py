@@ -39,17 +39,22 @@ def command(results: Path, folder: Path, states: bool) -> None:  # noqa: FBT001
     bin. The header has the units: 1 is none, length the spec's length unit. Fields that are
     kept are not exported. Prints the paths of the files.
     """
-    from roughbench.cli.tables import observables_csv, states_csv, summary_csv
-    from roughbench.publish import commit
+    from roughbench.cli.tables import TABLE, observables_csv, states_csv, summary_csv
+    from roughbench.outputs import check_output, write_output
+    from roughbench.publish import make_folder
     from roughbench.store import load
 
     loaded = load(results)
-    folder.mkdir(parents=True, exist_ok=True)
+    texts: dict[Path, str] = {}
     for experiment, result in loaded.models():
-        texts = {"": summary_csv(result)}
+        parts = {"": summary_csv(result)}
         if states:
-            texts["-states"] = states_csv(result)
-        texts |= {f"-{name}": text for name, text in observables_csv(result).items()}
-        for suffix, text in texts.items():
-            path = folder / f"{experiment}-{result.label}{suffix}.csv"
-            click.echo(commit(text.encode(), path))
+            parts["-states"] = states_csv(result)
+        parts |= {f"-{name}": text for name, text in observables_csv(result).items()}
+        for suffix, text in parts.items():
+            texts[folder / f"{experiment}-{result.label}{suffix}.csv"] = text
+    for path in texts:
+        check_output(path, TABLE)  # all of them before the first is written
+    make_folder(folder)
+    for path, text in texts.items():
+        click.echo(write_output(text.encode(), path, TABLE))

@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     "-o",
     "--output",
     type=click.Path(path_type=Path),
-    help="Results file; default NAME.h5 in the current folder. Replaced if it exists.",
+    help="Results file; default NAME.h5 in the current folder. Results that are there are "
+    "replaced, other files never. The folder is made if missing.",
 )
 @click.option(
     "-j",
@@ -59,7 +60,12 @@ if TYPE_CHECKING:
     help="Change one value of the spec, as surface.H=0.8 or models.bem.grid=256; repeatable.",
 )
 @click.option("-n", "--dry-run", is_flag=True, help="Only say what would be computed, and why.")
-@click.option("-f", "--force", is_flag=True, help="Compute everything again.")
+@click.option(
+    "-f",
+    "--force",
+    is_flag=True,
+    help="Compute everything again; replace results of another spec.",
+)
 @click.option(
     "-k", "--keep-going", is_flag=True, help="After a task that fails, finish all others first."
 )

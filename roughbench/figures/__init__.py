@@ -31,7 +31,7 @@ from roughbench.figures import (
 )
 from roughbench.figures.agreement import Agreement, departures
 from roughbench.figures.observed import Observed
-from roughbench.figures.style import publication_style, save
+from roughbench.figures.style import check_files, publication_style, save
 from roughbench.observables import OBSERVABLES
 from roughbench.results import Results
 from roughbench.variables import variable_of
@@ -74,7 +74,8 @@ def available(results: Results) -> list[str]:
 def render(results: Results, name: str, folder: str | os.PathLike[str]) -> list[Path]:
     """Draw a figure into a folder, as PDF and PNG.
 
-    The same results give the same bytes; each file is replaced in one step.
+    The same results give the same bytes. Each file is replaced in one step, if it is a
+    figure that roughbench drew.
 
     Parameters
     ----------
@@ -94,7 +95,7 @@ def render(results: Results, name: str, folder: str | os.PathLike[str]) -> list[
     ------
     StoreError
         If there is no such figure, the results lack what it shows, or a file cannot be
-        written.
+        written or is somebody else's.
     """
     if name not in FIGURES:
         raise StoreError(f"there is no figure {name!r}; choose one of {', '.join(FIGURES)}")
@@ -104,5 +105,6 @@ def render(results: Results, name: str, folder: str | os.PathLike[str]) -> list[
         raise StoreError(
             f"figure {name!r} needs {lack}; figures that these results allow: {allowed}"
         )
+    check_files(name, Path(folder))
     with publication_style():
         return save(recipe.draw(results), name, Path(folder))

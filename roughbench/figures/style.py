@@ -9,7 +9,8 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from roughbench.publish import commit, make_folder
+from roughbench.outputs import Kind, check_output, write_output
+from roughbench.publish import make_folder
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -24,6 +25,8 @@ GUIDE = "0.45"
 """Grey of guide lines and of what they say."""
 SMALL = 7.0
 """Size of annotations, in points."""
+MAKER = "roughbench"
+"""Both files name it, so that no figure of anybody else is ever replaced."""
 BACKGROUND = {"facecolor": "white", "edgecolor": "none", "pad": 0.4}
 """Box behind a word that lines may run through."""
 
@@ -100,10 +103,22 @@ def footnote(figure: Figure, lines: list[str]) -> None:
         figure.supxlabel("\n".join(lines), color=GUIDE)
 
 
+def check_files(name: str, folder: Path) -> None:
+    """Refuse to draw what could not be saved.
+
+    Raises
+    ------
+    StoreError
+        If ``name.pdf`` or ``name.png`` is a file of somebody else, or cannot be written.
+    """
+    for suffix, kind in FIGURE.items():
+        check_output(folder / f"{name}.{suffix}", kind)
+
+
 def save(figure: Figure, name: str, folder: Path) -> list[Path]:
     """Write ``name.pdf`` and ``name.png``, each in one step.
 
-    Equal figures give equal bytes: neither file holds a date or the name of a program.
+    Equal figures give equal bytes: neither file holds a date or a version.
 
     Returns
     -------
@@ -113,18 +128,27 @@ def save(figure: Figure, name: str, folder: Path) -> list[Path]:
     Raises
     ------
     StoreError
-        If the folder cannot be made, or the files not be written.
+        If the folder cannot be made, or the files not be written, or one of their names
+        is that of another file.
     """
     make_folder(folder)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")  # laid out: the same in both files
-    undated: dict[str, dict[str, None]] = {
-        "pdf": {"Creator": None, "Producer": None, "CreationDate": None},
-        "png": {"Software": None},
+    undated: dict[str, dict[str, str | None]] = {
+        "pdf": {"Creator": MAKER, "Producer": None, "CreationDate": None},
+        "png": {"Software": MAKER},
     }
     paths = []
     for suffix, metadata in undated.items():
         image = io.BytesIO()
         figure.savefig(image, format=suffix, metadata=metadata)
-        paths.append(commit(image.getvalue(), folder / f"{name}.{suffix}"))
+        path = folder / f"{name}.{suffix}"
+        paths.append(write_output(image.getvalue(), path, FIGURE[suffix]))
     return paths
+
+
+FIGURE = {
+    "pdf": Kind("figure", lambda _, tail: f"/Creator ({MAKER})".encode() in tail),
+    "png": Kind("figure", lambda head, _: f"tEXtSoftware\0{MAKER}".encode() in head),
+}
+"""By suffix."""

@@ -33,9 +33,9 @@ from typing import IO, Any
 
 import numpy as np
 
-from roughbench.errors import LockedError, StoreError
+from roughbench.errors import LockedError, StoreError, explained
 from roughbench.models.base import FloatArray
-from roughbench.publish import commit, remove_leftovers
+from roughbench.publish import commit, remove_leftovers, temporary_of
 from roughbench.runner.checkpoint import Checkpoint
 from roughbench.runner.compute import Block
 from roughbench.runner.identity import Identity, key_of
@@ -142,10 +142,11 @@ class RunFolder:
             self._write_holder(file, command)
             for folder in (self._shards, self._checkpoints):
                 folder.mkdir(exist_ok=True)
+            with contextlib.suppress(FileNotFoundError):  # too long a path is told now
+                temporary_of(self._shards / ("0" * 20) / _shard_name(0, 0, "0" * 16)).stat()
         except OSError as error:
             raise StoreError(
-                f"cannot write {self.path}: {error.strerror or error}; choose another place "
-                "with -o, or make room and permission there"
+                f"cannot write {self.path}: {explained(error)}, or choose another place with -o"
             ) from error
         try:
             self._remove_leftovers()
@@ -252,9 +253,8 @@ class RunFolder:
         try:
             folder.mkdir(exist_ok=True)
         except OSError as error:
-            raise StoreError(f"cannot write {folder}: {error.strerror}") from error
-        name = f"{first:06d}-{stop - 1:06d}.{_digest(data)}.npz"
-        return commit(data, folder / name)
+            raise StoreError(f"cannot write {folder}: {explained(error)}") from error
+        return commit(data, folder / _shard_name(first, stop - 1, _digest(data)))
 
     def read(self, path: Path) -> Shard:
         """Return a shard.
@@ -267,7 +267,7 @@ class RunFolder:
         try:
             return _read(path)
         except OSError as error:
-            reason = f"cannot be read: {error.strerror or error}"
+            reason = f"cannot be read: {explained(error)}"
             raise ShardError(path, reason) from error
         except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
             raise ShardError(path, error) from error
@@ -279,7 +279,7 @@ class RunFolder:
             path.replace(self._set_aside / f"{path.parent.name}-{path.name}")
         except OSError as error:
             raise StoreError(
-                f"cannot set {path} aside: {error.strerror}; remove it by hand"
+                f"cannot set {path} aside: {explained(error)}, or remove it by hand"
             ) from error
 
     def forget(self, key: str) -> None:
@@ -345,6 +345,10 @@ def _entries(folder: Path) -> list[Path]:
         return list(folder.iterdir())
     except OSError:
         return []
+
+
+def _shard_name(first: int, last: int, digest: str) -> str:
+    return f"{first:06d}-{last:06d}.{digest}.npz"
 
 
 def _digest(data: bytes) -> str:

@@ -26,11 +26,10 @@ from roughbench.spec.tree import (
     Finding,
     KeyPath,
     freeze,
-    on_one_line,
     plain,
     render,
-    suggestion,
 )
+from roughbench.text import on_one_line, suggestion
 
 _SURFACE: TypeAdapter[SelfAffineSurface | FileSurface] = TypeAdapter(Surface)
 _MODEL: TypeAdapter[Model] = TypeAdapter(AnyModel)

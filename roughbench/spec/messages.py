@@ -14,7 +14,8 @@ from roughbench.models import MODELS
 from roughbench.spec.model import Spec
 from roughbench.spec.pressures import PressureRange
 from roughbench.spec.surfaces import FileSurface, SelfAffineSurface
-from roughbench.spec.tree import Finding, KeyPath, did_you_mean, lookup, show, suggestion
+from roughbench.spec.tree import Finding, KeyPath, did_you_mean, lookup, show
+from roughbench.text import suggestion
 
 SURFACES: dict[str, type[BaseModel]] = {"self-affine": SelfAffineSurface, "file": FileSurface}
 

@@ -12,8 +12,9 @@ from typing import Any
 
 import yaml
 
-from roughbench.spec.tree import MAX_DEPTH, KeyPath, on_one_line
+from roughbench.spec.tree import MAX_DEPTH, KeyPath
 from roughbench.spec.yaml12 import Loader
+from roughbench.text import on_one_line
 
 MAX_CHARACTERS = 256 * 1024
 """Longest text read as a spec; real ones have a few thousand characters."""

@@ -6,15 +6,16 @@ booleans and None. A key path such as ``models[0].gamma`` is a tuple in the code
 
 from __future__ import annotations
 
-import difflib
 import math
 import numbers
 import os
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+
+from roughbench.text import suggestion
 
 KeyPath = tuple[str | int, ...]
 
@@ -62,21 +63,6 @@ def show(value: object) -> str:
         return {None: "null", True: "true", False: "false"}[value]
     text = ascii(value) if isinstance(value, str) and not value.isprintable() else repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
-
-
-def on_one_line(text: str) -> str:
-    """Write a file name or an argument as it is, or escaped where it does not print."""
-    return text if text.isprintable() else text.encode("unicode_escape").decode()
-
-
-def suggestion(word: str, known: Iterable[str]) -> str | None:
-    """Return the known word that was probably meant, or None."""
-    known = list(known)
-    by_case = {entry.lower(): entry for entry in known}
-    if word.lower() in by_case:
-        return by_case[word.lower()]
-    close = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
-    return close[0] if close else None
 
 
 def did_you_mean(word: str, known: Sequence[str]) -> str:
