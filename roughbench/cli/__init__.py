@@ -25,6 +25,7 @@ from roughbench.errors import (
     SpecError,
     SurfaceError,
 )
+from roughbench.text import printable
 
 COMMANDS = (
     "run",
@@ -83,7 +84,8 @@ class LazyGroup(click.Group):
         except (Exception, KeyboardInterrupt) as error:  # noqa: BLE001, RUF100  (the last resort)
             if ctx.meta.get(DEBUG):
                 click.echo("".join(traceback.format_exception(error)), err=True, nl=False)
-            click.echo("\n".join([_message(error), *getattr(error, "__notes__", ())]), err=True)
+            told = "\n".join([_message(error), *getattr(error, "__notes__", ())])
+            click.echo(printable(told), err=True)
             ctx.exit(next(code for kind, code in _CODES if isinstance(error, kind)))
 
     def main(self, args: Sequence[str] | None = None, *rest: Any, **options: Any) -> Any:

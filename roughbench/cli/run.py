@@ -11,6 +11,7 @@ import click
 
 from roughbench.cli.options import debug_option, example
 from roughbench.cli.progress import duration, progress_shown
+from roughbench.text import on_one_line
 
 if TYPE_CHECKING:
     from roughbench.results import Results
@@ -140,7 +141,7 @@ def command(
             options.pop(name)
         parts = preview(loaded, output=target, cluster=cluster, **options)
         for part in parts:
-            click.echo(part)
+            click.echo(on_one_line(str(part)))
         click.echo(_total([part.tasks for part in parts], sum(part.seconds for part in parts)))
         return
     with progress_shown(quiet=quiet, verbose=verbose) as progress:

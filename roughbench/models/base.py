@@ -126,6 +126,10 @@ class Curve:
     diagnostics: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
 
+MOST_REALIZATIONS = 1_000_000
+"""More would fill the memory with their plan alone."""
+
+
 class Model(BaseModel, ABC):
     """Options of one contender, and how it computes a curve.
 
@@ -162,7 +166,10 @@ class Model(BaseModel, ABC):
         description="Name of this model in the results; default: its kind.",
     )
     realizations: int | None = Field(
-        default=None, ge=1, description="Overrides the spec's realizations for this model."
+        default=None,
+        ge=1,
+        le=MOST_REALIZATIONS,
+        description="Overrides the spec's realizations for this model.",
     )
 
     @property

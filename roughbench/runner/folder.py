@@ -1,6 +1,7 @@
 """The run directory beside a results file: durable shards, and a lock for one run at a time.
 
 ``quick.h5.rbrun/``
+    ``README.txt``       that it is a run directory
     ``lock``             who works in it
     ``run.log``          what happened, of all runs
     ``run.json``         what the last run was asked for
@@ -39,6 +40,7 @@ from roughbench.publish import commit, remove_leftovers, temporary_of
 from roughbench.runner.checkpoint import Checkpoint
 from roughbench.runner.compute import Block
 from roughbench.runner.identity import Identity, key_of
+from roughbench.runner.mark import mark
 from roughbench.runner.plan import Task
 from roughbench.runner.usage import Usage, now
 from roughbench.variables import STORABLE, fits
@@ -135,7 +137,7 @@ class RunFolder:
         LockedError
             If another run is in it; says which and where.
         StoreError
-            If it cannot be made or written.
+            If it cannot be made or written, or is a folder of somebody else.
         """
         try:
             file = self._lock()
@@ -158,6 +160,7 @@ class RunFolder:
 
     def _lock(self) -> IO[str]:
         self.path.mkdir(exist_ok=True)
+        mark(self.path)
         path = self.path / "lock"
         for attempt in range(_TRIES):
             time.sleep(_PAUSE * (attempt > 0))

@@ -10,6 +10,7 @@ from typing import Any
 
 from roughbench.errors import RoughbenchError, StoreError
 from roughbench.runner.folder import SUFFIX, RunFolder, ShardError
+from roughbench.runner.mark import check_marked
 from roughbench.runner.only import select
 from roughbench.runner.overview import Part, overview
 from roughbench.runner.plan import check, plan
@@ -165,13 +166,16 @@ def clean(path: str | os.PathLike[str], *, unused: bool = False) -> int:
     LockedError
         If a run is in it.
     RoughbenchError
-        If there is no run there.
+        If there is no run there, or a folder that is no run directory.
     """
     folder = find(path)
+    check_marked(folder.path)
     with folder.locked("roughbench clean"):
         before = folder.size()
         if not unused:
-            shutil.rmtree(folder.path)
+            shutil.rmtree(folder.path.resolve())
+            if folder.path.is_symlink():
+                folder.path.unlink()
             return before
         _, stocks = _stocks(folder, folder.request())
         needed = {stock.key for stock in stocks}

@@ -15,7 +15,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from roughbench.text import suggestion
+from roughbench.text import suggestion, unsafe_character
 
 KeyPath = tuple[str | int, ...]
 
@@ -170,9 +170,9 @@ def plain(value: object) -> tuple[Any, list[Finding]]:
             value = os.fspath(value)
         if isinstance(value, Mapping):
             findings.extend(
-                Finding(path, f"keys must be text, got {show(key)}")
+                Finding(path, f"keys must be text that prints, got {show(key)}")
                 for key in value
-                if not isinstance(key, str)
+                if not isinstance(key, str) or unsafe_character(key)
             )
             return {str(key): convert(entry, (*path, str(key))) for key, entry in value.items()}
         if isinstance(value, (list, tuple)):
@@ -180,8 +180,9 @@ def plain(value: object) -> tuple[Any, list[Finding]]:
         if value is None or isinstance(value, (bool, np.bool_)):
             return value if value is None else bool(value)
         if isinstance(value, str):
-            if any("\ud800" <= letter <= "\udfff" for letter in value):
-                findings.append(Finding(path, f"is no valid Unicode text, got {show(value)}"))
+            unsafe = unsafe_character(value)
+            if unsafe is not None:
+                findings.append(Finding(path, f"holds {unsafe[1]}; remove it"))
                 return ""
             return str(value)
         if isinstance(value, numbers.Integral) and abs(int(value)) < 2**63:
