@@ -65,7 +65,6 @@ class SpecError(RoughbenchError):
 _REMEDIES = {
     errno.EACCES: "check the permissions of it and of its folders",
     errno.EPERM: "check the permissions of it and of its folders",
-    errno.EROFS: "it is on a disk that can only be read; choose a place on another",
     errno.ENAMETOOLONG: "choose a shorter name",
     errno.ELOOP: "its symbolic links lead in circles",
     errno.ENOENT: "check the name",
@@ -76,19 +75,27 @@ _REMEDIES = {
     errno.EMFILE: "allow more open files (ulimit -n), or take fewer jobs (-j)",
     errno.ENFILE: "close other programs, or take fewer jobs (-j)",
     errno.EAGAIN: "allow more processes (ulimit -u), or take fewer jobs (-j)",
-    errno.EIO: "the disk fails; choose a place on another",
+    errno.EIO: "the disk fails: save what is on it",
     errno.ESTALE: "the network disk was lost; mount it again",
 }
 
 
-def explained(error: OSError) -> str:
+def explained(error: OSError, way_out: str = "") -> str:
     """Return what the system says, and what to do about it.
+
+    Parameters
+    ----------
+    error : OSError
+    way_out : str
+        Another thing to do about it, whatever it is.
 
     Examples
     --------
     >>> explained(OSError(errno.ENAMETOOLONG, "File name too long", "x" * 300))
     'File name too long; choose a shorter name'
+    >>> explained(OSError(errno.EROFS, "Read-only file system"), "choose another place")
+    'Read-only file system; choose another place'
     """
     reason = error.strerror or str(error)
-    remedy = _REMEDIES.get(error.errno or 0)
-    return f"{reason}; {remedy}" if remedy else reason
+    remedies = ", or ".join(filter(None, (_REMEDIES.get(error.errno or 0), way_out)))
+    return f"{reason}; {remedies}" if remedies else reason

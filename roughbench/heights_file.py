@@ -11,7 +11,7 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.errors import SurfaceError
+from roughbench.errors import SurfaceError, explained
 from roughbench.text import on_one_line
 
 if TYPE_CHECKING:
@@ -95,9 +95,19 @@ def _check_layout(shape: tuple[int, ...] | None, dtype: np.dtype[Any], name: str
         )
 
 
-def _load_npy(path: Path, name: str) -> FloatArray:
-    if not path.is_file():
+def _check_there(path: Path, name: str) -> None:
+    try:
+        there = path.is_file()
+    except OSError as error:
+        raise SurfaceError(f"{name}: cannot be read: {explained(error)}") from error
+    if not there:
         raise SurfaceError(f"{name}: no such file; relative paths start from {path.parent}")
+    if not os.access(path, os.R_OK):
+        raise SurfaceError(f"{name}: no permission to read it; check the permissions")
+
+
+def _load_npy(path: Path, name: str) -> FloatArray:
+    _check_there(path, name)
     try:
         with path.open("rb") as file:
             _check_npy(file, name)
@@ -131,8 +141,7 @@ def _check_npy(file: IO[bytes], name: str) -> None:
 def _load_hdf5(path: Path, dataset: str, name: str) -> FloatArray:
     import h5py
 
-    if not path.is_file():
-        raise SurfaceError(f"{name}: no such file; relative paths start from {path.parent}")
+    _check_there(path, name)
     try:
         file = h5py.File(path, "r")
     except OSError as error:

@@ -71,7 +71,7 @@ def check_output(path: OutputPath, kind: Kind, inputs: Iterable[OutputPath] = ()
         _check_target(given, target, kind, inputs)
         _check_folder(given, target)
     except OSError as error:
-        raise _refusal(given, f"{explained(error)}, or choose another place") from error
+        raise _refusal(given, explained(error, "choose another place")) from error
     return target
 
 

@@ -73,7 +73,7 @@ def make_folder(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise StoreError(
-            f"cannot make the folder {folder}: {explained(error)}, or choose another place"
+            f"cannot make the folder {folder}: {explained(error, 'choose another place')}"
         ) from error
 
 
@@ -91,7 +91,7 @@ def commit(data: bytes, path: str | os.PathLike[str]) -> Path:
         publish(lambda file: file.write(data), target)
     except OSError as error:
         raise StoreError(
-            f"cannot write {target}: {explained(error)}, or choose another place with -o"
+            f"cannot write {target}: {explained(error, 'choose another place with -o')}"
         ) from error
     return target
 

@@ -23,7 +23,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from roughbench.errors import StoreError
+from roughbench.errors import StoreError, explained
 from roughbench.models.base import Status
 from roughbench.outputs import Kind, write_output
 from roughbench.results import Array, Attribute, ModelResult, Results
@@ -92,10 +92,15 @@ def load(path: str | os.PathLike[str]) -> Results:
         nothing, or claims more than it holds. Texts are escaped where they do not print.
     """
     source = Path(path)
-    if not source.exists():
-        raise StoreError(f"{source}: no such file; {_RERUN} or check the name")
-    if source.is_dir():
-        raise StoreError(f"{source}: is a folder; give the results file in it")
+    try:
+        if source.is_dir():
+            raise StoreError(f"{source}: is a folder; give the results file in it")
+        with source.open("rb"):
+            pass
+    except FileNotFoundError:
+        raise StoreError(f"{source}: no such file; {_RERUN} or check the name") from None
+    except OSError as error:
+        raise StoreError(f"{source}: cannot be read: {explained(error)}") from error
     try:
         _check_seal(source)
         with h5py.File(source, "r") as file:

@@ -328,3 +328,9 @@ def test_long_lists_of_names_are_cut_and_escaped(tmp_path: Path) -> None:
         load_heights(f"{path}:/h")
     assert str(caught.value).isprintable()
     assert len(str(caught.value)) < 300
+
+
+def test_what_the_system_says_is_passed_on(tmp_path: Path) -> None:
+    for name in (f"{'x' * 300}.npy", f"{'x' * 300}.h5:/h"):
+        with pytest.raises(SurfaceError, match="cannot be read: File name too long; choose a"):
+            load_heights(name, tmp_path)

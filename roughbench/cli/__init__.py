@@ -8,6 +8,7 @@ written files) goes to stdout, all else to stderr.
 from __future__ import annotations
 
 import importlib
+import os
 import shlex
 import sys
 import traceback
@@ -24,8 +25,9 @@ from roughbench.errors import (
     RoughbenchError,
     SpecError,
     SurfaceError,
+    explained,
 )
-from roughbench.text import printable
+from roughbench.text import on_one_line, printable
 
 COMMANDS = (
     "run",
@@ -106,10 +108,21 @@ def _message(error: BaseException) -> str:
         return f"error: {error}"
     if isinstance(error, MemoryError):
         return f"error: out of memory ({error}); take a smaller grid or fewer jobs (-j)"
+    if (
+        isinstance(error, OSError) and error.errno is not None
+    ):  # the system's, and no fault here
+        places = [on_one_line(os.fsdecode(p)) for p in _places(error)]
+        return f"error: {': '.join([*places, explained(error)])}"
     return (
         f"error: {type(error).__name__}: {error}\n"
         "This is a fault of roughbench; --debug shows where. Please report it."
     )
+
+
+def _places(error: OSError) -> list[str | bytes]:
+    """Return the files that an error of the system names; a number is a descriptor."""
+    given = (error.filename, error.filename2)
+    return [place for place in given if isinstance(place, str | bytes)]
 
 
 def _print_version(ctx: click.Context, _parameter: click.Parameter, value: bool) -> None:  # noqa: FBT001

@@ -127,7 +127,7 @@ class Curve:
 
 
 MOST_REALIZATIONS = 1_000_000
-"""More would fill the memory with their plan alone."""
+"""Far more than averages need; files of finished ones are named with six digits."""
 
 
 class Model(BaseModel, ABC):

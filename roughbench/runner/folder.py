@@ -148,7 +148,7 @@ class RunFolder:
                 temporary_of(self._shards / ("0" * 20) / _shard_name(0, 0, "0" * 16)).stat()
         except OSError as error:
             raise StoreError(
-                f"cannot write {self.path}: {explained(error)}, or choose another place with -o"
+                f"cannot write {self.path}: {explained(error, 'choose another place with -o')}"
             ) from error
         try:
             self._remove_leftovers()
@@ -282,7 +282,7 @@ class RunFolder:
             path.replace(self._set_aside / f"{path.parent.name}-{path.name}")
         except OSError as error:
             raise StoreError(
-                f"cannot set {path} aside: {explained(error)}, or remove it by hand"
+                f"cannot set {path} aside: {explained(error, 'remove it by hand')}"
             ) from error
 
     def forget(self, key: str) -> None:

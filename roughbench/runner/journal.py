@@ -52,8 +52,8 @@ def logged_to(paths: Sequence[Path]) -> Iterator[None]:
                 handlers.append(_File(path, encoding="utf-8"))
             except OSError as error:
                 raise StoreError(
-                    f"cannot write the log {path}: {explained(error)}, or choose another "
-                    "--log-file"
+                    f"cannot write the log {path}: "
+                    f"{explained(error, 'choose another --log-file')}"
                 ) from error
         for handler in handlers:
             handler.setFormatter(logging.Formatter(_FORMAT))

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
-from roughbench.errors import Fault, SpecError
+from roughbench.errors import Fault, SpecError, explained
 from roughbench.models.base import Model
 from roughbench.spec import sweep
 from roughbench.spec.checks import check_fit
@@ -125,7 +125,7 @@ def _from_file(source: str | os.PathLike[str]) -> _Given:
         message = "is not UTF-8 text; save it as UTF-8"
         raise SpecError([Fault(message, "", line, column, name)]) from None
     except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
+        reason = explained(error) if isinstance(error, OSError) else str(error)
         raise SpecError([Fault(f"cannot be read: {reason}", source=name)]) from None
     return _Given(read_yaml(text), path.stem, path.parent, name, text)
 
