@@ -26,6 +26,7 @@ import numpy as np
 from roughbench.errors import StoreError, explained
 from roughbench.models.base import Status
 from roughbench.outputs import Kind, write_output
+from roughbench.program import command, program
 from roughbench.results import Array, Attribute, ModelResult, Results
 from roughbench.text import on_one_line, printable, unsafe_character
 from roughbench.variables import STORABLE, dimensions, fits
@@ -46,7 +47,6 @@ _REQUIRED = ("pressure", "status")
 _LONGEST_NAME = 1000
 """Characters; a sweep of many keys has long names."""
 _LEAST_CHUNK = 1 << 16
-_RERUN = "run its spec again (roughbench run SPEC.yaml)"
 _counter = itertools.count()
 
 
@@ -98,7 +98,7 @@ def load(path: str | os.PathLike[str]) -> Results:
         with source.open("rb"):
             pass
     except FileNotFoundError:
-        raise StoreError(f"{source}: no such file; {_RERUN} or check the name") from None
+        raise StoreError(f"{source}: no such file; {_rerun()} or check the name") from None
     except OSError as error:
         raise StoreError(f"{source}: cannot be read: {explained(error)}") from error
     try:
@@ -106,7 +106,7 @@ def load(path: str | os.PathLike[str]) -> Results:
         with h5py.File(source, "r") as file:
             return _read_root(file, source)
     except (OSError, KeyError, RuntimeError, ValueError, TypeError) as error:
-        raise StoreError(f"{source}: damaged ({error}); {_RERUN}") from error
+        raise StoreError(f"{source}: damaged ({error}); {_rerun()}") from error
 
 
 def whose(path: str | os.PathLike[str]) -> tuple[str, str] | None:
@@ -185,9 +185,17 @@ def _check_seal(source: Path) -> None:
     if data.startswith(_HDF5):
         raise StoreError(
             f"{source}: an HDF5 file, but not written by roughbench, or cut short; give a "
-            f"results file of 'roughbench run', or {_RERUN}"
+            f"results file of 'roughbench run', or {_rerun()}"
         )
-    raise StoreError(f"{source}: not an HDF5 file; give a roughbench results file")
+    if source.suffix in {".yaml", ".yml"}:
+        hint = f"if it is a spec, compute it with: {command('run', source)}"
+    else:
+        hint = "give a roughbench results file"
+    raise StoreError(f"{source}: not an HDF5 file; {hint}")
+
+
+def _rerun() -> str:
+    return f"run its spec again ({program()} run SPEC.yaml)"
 
 
 @contextlib.contextmanager
@@ -321,7 +329,7 @@ def _members(
         if not isinstance(group.get(name, getlink=True), h5py.HardLink):
             raise StoreError(
                 f"{budget.source}: {group.name}/{name} is a link to another place, which no "
-                f"roughbench file has; {_RERUN}"
+                f"roughbench file has; {_rerun()}"
             )
         member = group[name]
         if not isinstance(member, wanted):
@@ -350,7 +358,7 @@ def _read_model(group: h5py.Group, label: str, budget: _Budget) -> ModelResult:
         if data.external or data.is_virtual:
             raise StoreError(
                 f"{budget.source}: {data.name} keeps its values in another file, which no "
-                f"roughbench file does; {_RERUN}"
+                f"roughbench file does; {_rerun()}"
             )
         if data.dtype not in STORABLE:
             raise ValueError(f"{data.name} is of {data.dtype}")

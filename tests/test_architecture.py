@@ -13,6 +13,7 @@ import roughbench
 
 LAYERS = (
     "text",
+    "program",
     "errors",
     "publish",
     "outputs",

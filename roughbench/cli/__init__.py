@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import importlib
 import os
-import shlex
 import sys
 import traceback
 from collections.abc import Sequence
@@ -27,7 +26,9 @@ from roughbench.errors import (
     SurfaceError,
     explained,
 )
-from roughbench.text import on_one_line, printable
+from roughbench.program import command as command_line
+from roughbench.program import program
+from roughbench.text import on_one_line, printable, suggestion
 
 COMMANDS = (
     "run",
@@ -76,6 +77,20 @@ class LazyGroup(click.Group):
         command = importlib.import_module(f"roughbench.cli.{cmd_name}").command
         return command if isinstance(command, click.Command) else None
 
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Say what was probably meant where there is no such command."""
+        word = args[0]
+        if word in COMMANDS or word.startswith("-"):
+            return super().resolve_command(ctx, args)
+        if word.endswith((".yaml", ".yml")):
+            hint = f"To compute a spec: {command_line('run', *args)}"
+        else:
+            near = suggestion(word, COMMANDS)
+            hint = f"Did you mean {near!r}?" if near else f"There are {', '.join(COMMANDS)}."
+        raise click.UsageError(f"No such command {on_one_line(word)!r}. {hint}", ctx)
+
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command; errors become a message on stderr and a documented exit code."""
         try:
@@ -93,7 +108,8 @@ class LazyGroup(click.Group):
     def main(self, args: Sequence[str] | None = None, *rest: Any, **options: Any) -> Any:
         """Remember the command line, to say how a run is resumed."""
         given = list(sys.argv[1:] if args is None else args)
-        options["obj"] = shlex.join(["roughbench", *given])
+        options["obj"] = command_line(*given)
+        options.setdefault("prog_name", program())
         return super().main(given, *rest, **options)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +10,7 @@ import click
 
 from roughbench.cli.options import debug_option, example
 from roughbench.cli.progress import duration, progress_shown
+from roughbench.program import command as command_line
 from roughbench.text import on_one_line
 
 if TYPE_CHECKING:
@@ -74,7 +74,8 @@ if TYPE_CHECKING:
     "--only",
     multiple=True,
     metavar="TASK",
-    help="Compute only this: main/bem, or main/bem:4, its fourth realization; repeatable.",
+    help="Compute only this: main/bem; main/bem:4, its fourth realization; or bem, that of "
+    "every experiment; repeatable.",
 )
 @click.option(
     "--engine",
@@ -212,12 +213,11 @@ def _summary(results: Results, target: Path, elapsed: float) -> str:
             seconds, memory = spent[name]
             line += f", {duration(seconds)} of tasks, {memory / 1e9:.2f} GB at most"
         lines.append(line)
-    path = shlex.quote(str(target))
     return "\n".join(
         [
             f"done in {duration(elapsed)}; realizations × pressures:",
             *lines,
-            f"show it: roughbench show {path}",
-            f"draw it: roughbench plot {path}",
+            f"show it: {command_line('show', target)}",
+            f"draw it: {command_line('plot', target)}",
         ]
     )

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import contextlib
 import io
+import re
+import urllib.parse
 from collections.abc import Iterator
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from roughbench.outputs import Kind, check_output, write_output
+from roughbench.outputs import ENDS, Kind, check_output, write_output
 from roughbench.publish import make_folder
 
 if TYPE_CHECKING:
@@ -115,8 +117,10 @@ def check_files(name: str, folder: Path) -> None:
         check_output(folder / f"{name}.{suffix}", kind)
 
 
-def save(figure: Figure, name: str, folder: Path) -> list[Path]:
+def save(figure: Figure, name: str, folder: Path, source: str = "") -> list[Path]:
     """Write ``name.pdf`` and ``name.png``, each in one step.
+
+    Both say which results file they were drawn of, if ``source`` names one.
 
     Equal figures give equal bytes: neither file holds a date or a version.
 
@@ -134,9 +138,10 @@ def save(figure: Figure, name: str, folder: Path) -> list[Path]:
     make_folder(folder)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")  # laid out: the same in both files
+    maker = f"{MAKER}, of <{urllib.parse.quote(source)}>" if source else MAKER
     undated: dict[str, dict[str, str | None]] = {
-        "pdf": {"Creator": MAKER, "Producer": None, "CreationDate": None},
-        "png": {"Software": MAKER},
+        "pdf": {"Creator": maker, "Producer": None, "CreationDate": None},
+        "png": {"Software": maker},
     }
     paths = []
     for suffix, metadata in undated.items():
@@ -147,8 +152,19 @@ def save(figure: Figure, name: str, folder: Path) -> list[Path]:
     return paths
 
 
+def source_of(path: Path) -> str:
+    """Return the name of the results file that a PNG was drawn of; empty if it says none."""
+    with contextlib.suppress(OSError), path.open("rb") as file:
+        found = _PNG.search(file.read(ENDS))
+        return urllib.parse.unquote((found[1] or b"").decode("latin-1")) if found else ""
+    return ""
+
+
+_MADE = rb"roughbench(?:, of <([^>]*)>)?"
+_PDF = re.compile(rb"/Creator \(" + _MADE + rb"\)")
+_PNG = re.compile(rb"tEXtSoftware\0" + _MADE)
 FIGURE = {
-    "pdf": Kind("figure", lambda _, tail: f"/Creator ({MAKER})".encode() in tail),
-    "png": Kind("figure", lambda head, _: f"tEXtSoftware\0{MAKER}".encode() in head),
+    "pdf": Kind("figure", lambda _, tail: _PDF.search(tail) is not None),
+    "png": Kind("figure", lambda head, _: _PNG.search(head) is not None),
 }
 """By suffix."""

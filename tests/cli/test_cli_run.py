@@ -334,6 +334,7 @@ def test_a_signal_ends_it_cleanly(
     number: signal.Signals,
     code: int,
     told: str,
+    program: str,
 ) -> None:
     before = results.read_bytes()
     process = started(start, jobs)
@@ -345,18 +346,18 @@ def test_a_signal_ends_it_cleanly(
     assert (process.returncode, stdout) == (code, "")
     *_, first, second = stderr.splitlines()
     assert first == told
-    assert " of 300003 states are kept in small.h5.rbrun; resume: roughbench run" in second
+    assert f" of 300003 states are kept in small.h5.rbrun; resume: {program} run" in second
     assert "Traceback" not in stderr
     assert results.read_bytes() == before
     assert_no_process_left(process.pid)
-    again = shlex.split(second.partition("resume: roughbench ")[2])
+    again = shlex.split(second.partition(f"resume: {program} ")[2])
     assert again[:2] == ["run", "small.yaml"]
     planned = invoke(*again, "-n").stdout.splitlines()
     assert any(line.endswith(": done") for line in planned)
     assert any(": new (" in line for line in planned)
 
 
-def test_a_full_disk_leaves_a_run_to_resume(folder: Path, invoke: Invoke) -> None:
+def test_a_full_disk_leaves_a_run_to_resume(folder: Path, invoke: Invoke, program: str) -> None:
     """Files may have 2 kB, as if the disk were full then: less than a shard."""
     command = f"ulimit -f 2; exec {sys.executable} -m roughbench run small.yaml"
     environment = os.environ | {"PYTHONPATH": str(Path(rb.__file__).parents[1])}
@@ -368,7 +369,7 @@ def test_a_full_disk_leaves_a_run_to_resume(folder: Path, invoke: Invoke) -> Non
     assert first.startswith("error: cannot write small.h5.rbrun/shards/")
     assert "File too large; make room there, or choose another place with -o" in first
     assert first.endswith("main/foundation, realizations 1 to 20 of 20 is lost")
-    resume = "resume: roughbench run small.yaml"
+    resume = f"resume: {program} run small.yaml"
     assert second == f"0 of 63 states are kept in small.h5.rbrun; {resume}"
     assert not (folder / "small.h5").exists()
     assert not list(folder.rglob("*.tmp"))
