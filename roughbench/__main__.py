@@ -5,4 +5,4 @@ from __future__ import annotations
 from roughbench.cli import main
 
 if __name__ == "__main__":  # worker processes import this file too
-    main(prog_name="python -m roughbench")
+    main()

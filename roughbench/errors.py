@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -59,3 +60,42 @@ class SpecError(RoughbenchError):
     def __init__(self, faults: Sequence[Fault]) -> None:
         self.faults = tuple(faults)
         super().__init__("\n".join(str(fault) for fault in self.faults))
+
+
+_REMEDIES = {
+    errno.EACCES: "check the permissions of it and of its folders",
+    errno.EPERM: "check the permissions of it and of its folders",
+    errno.ENAMETOOLONG: "choose a shorter name",
+    errno.ELOOP: "its symbolic links lead in circles",
+    errno.ENOENT: "check the name",
+    errno.ENOTDIR: "a part of its path is no folder; check the name",
+    errno.ENOSPC: "make room there",
+    errno.EDQUOT: "make room there",
+    errno.EFBIG: "make room there",
+    errno.EMFILE: "allow more open files (ulimit -n), or take fewer jobs (-j)",
+    errno.ENFILE: "close other programs, or take fewer jobs (-j)",
+    errno.EAGAIN: "allow more processes (ulimit -u), or take fewer jobs (-j)",
+    errno.EIO: "the disk fails: save what is on it",
+    errno.ESTALE: "the network disk was lost; mount it again",
+}
+
+
+def explained(error: OSError, way_out: str = "") -> str:
+    """Return what the system says, and what to do about it.
+
+    Parameters
+    ----------
+    error : OSError
+    way_out : str
+        Another thing to do about it, whatever it is.
+
+    Examples
+    --------
+    >>> explained(OSError(errno.ENAMETOOLONG, "File name too long", "x" * 300))
+    'File name too long; choose a shorter name'
+    >>> explained(OSError(errno.EROFS, "Read-only file system"), "choose another place")
+    'Read-only file system; choose another place'
+    """
+    reason = error.strerror or str(error)
+    remedies = ", or ".join(filter(None, (_REMEDIES.get(error.errno or 0), way_out)))
+    return f"{reason}; {remedies}" if remedies else reason

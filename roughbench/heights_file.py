@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
+import os
 from collections import deque
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from roughbench import memory
-from roughbench.errors import SurfaceError
+from roughbench.errors import SurfaceError, explained
 from roughbench.inputs import check_heights
+from roughbench.text import on_one_line
 
 if TYPE_CHECKING:
     import h5py
@@ -23,6 +25,9 @@ _FEWEST = 4
 """Points per side: fewer carry no wave but the one that alternates from point to point."""
 _MOST_SOFT_LINKS = 16
 _MOST_FILLS = 16
+_MOST_COMPRESSED = 1100
+"""Bytes that a byte of a file can stand for: deflate reaches 1032."""
+_MOST_NAMES = 8
 
 
 def load_heights(path: str | Path, folder: str | Path = ".") -> FloatArray:
@@ -106,26 +111,53 @@ def _check_layout(shape: tuple[int, ...] | None, dtype: np.dtype[Any], name: str
     )
 
 
-def _load_npy(path: Path, name: str) -> NDArray[Any]:
-    if not path.is_file():
+def _check_there(path: Path, name: str) -> None:
+    try:
+        there = path.is_file()
+    except OSError as error:
+        raise SurfaceError(f"{name}: cannot be read: {explained(error)}") from error
+    if not there:
         raise SurfaceError(f"{name}: no such file; relative paths start from {path.parent}")
+    if not os.access(path, os.R_OK):
+        raise SurfaceError(f"{name}: no permission to read it; check the permissions")
+
+
+def _load_npy(path: Path, name: str) -> NDArray[Any]:
+    _check_there(path, name)
     try:
         with path.open("rb") as file:
+            _check_npy(file, name)
             array = np.lib.format.read_array(file, allow_pickle=False)
     except (ValueError, OSError, EOFError, MemoryError) as error:
         raise SurfaceError(
             f"{name}: not a .npy file of numbers ({error}); write it with "
             "numpy.save(path, heights)"
         ) from error
-    _check_layout(array.shape, array.dtype, name)
     return array
+
+
+def _check_npy(file: IO[bytes], name: str) -> None:
+    """Look at the header before anything is allocated; leaves the file at its beginning."""
+    version = np.lib.format.read_magic(file)
+    if version == (1, 0):
+        shape, _, dtype = np.lib.format.read_array_header_1_0(file)
+    else:
+        shape, _, dtype = np.lib.format.read_array_header_2_0(file)
+    if dtype.hasobject:
+        raise ValueError("Object arrays cannot be loaded")
+    _check_layout(shape, dtype, name)
+    start = file.tell()
+    held = file.seek(0, os.SEEK_END) - start
+    wanted = math.prod(shape) * dtype.itemsize
+    if wanted > held:
+        raise ValueError(f"cut short: {shape} numbers take {wanted} bytes, it has {held}")
+    file.seek(0)
 
 
 def _load_hdf5(path: Path, dataset: str, name: str) -> NDArray[Any]:
     import h5py
 
-    if not path.is_file():
-        raise SurfaceError(f"{name}: no such file; relative paths start from {path.parent}")
+    _check_there(path, name)
     try:
         file = h5py.File(path, "r")
     except OSError as error:
@@ -138,6 +170,7 @@ def _load_hdf5(path: Path, dataset: str, name: str) -> NDArray[Any]:
                 "copy them into one dataset"
             )
         _check_layout(found.shape, found.dtype, name)
+        _check_stored(found, name)
         try:
             heights: NDArray[Any] = found[()]
         except (OSError, MemoryError) as error:
@@ -163,6 +196,28 @@ def _refuse_fill_values(heights: NDArray[Any], found: h5py.Dataset, name: str) -
             )
 
 
+def _check_stored(found: h5py.Dataset, name: str) -> None:
+    """Refuse what was never written, which reads as zeros, or cannot be in so few bytes."""
+    stored = found.id.get_storage_size()
+    if found.chunks is None:
+        missing = stored < found.nbytes
+        largest = found.nbytes
+    else:
+        pairs = zip(found.shape, found.chunks, strict=True)
+        missing = found.id.get_num_chunks() < math.prod(-(-n // chunk) for n, chunk in pairs)
+        largest = max(found.nbytes, math.prod(found.chunks) * found.dtype.itemsize)
+    if missing:
+        raise SurfaceError(
+            f"{name}: parts of the dataset were never written ({found.nbytes} bytes are "
+            f"declared, {stored} stored); write all of the heights"
+        )
+    if largest > _MOST_COMPRESSED * stored:
+        raise SurfaceError(
+            f"{name}: {stored} bytes of the file claim to be {largest} bytes of heights; save "
+            "them again, with chunks no larger than the dataset"
+        )
+
+
 def _find_dataset(file: h5py.File, dataset: str, name: str) -> h5py.Dataset:
     """Follow the path link by link, so that no link leads out of the file."""
     import h5py
@@ -176,7 +231,7 @@ def _find_dataset(file: h5py.File, dataset: str, name: str) -> h5py.Dataset:
         if isinstance(link, h5py.ExternalLink):
             raise SurfaceError(
                 f"{name}: {part} is a link to another file, which is refused; "
-                f"name that file itself ({link.filename}:{link.path})"
+                f"name that file itself ({on_one_line(f'{link.filename}:{link.path}')})"
             )
         if isinstance(link, h5py.SoftLink):
             followed += 1
@@ -190,8 +245,15 @@ def _find_dataset(file: h5py.File, dataset: str, name: str) -> h5py.Dataset:
         if isinstance(item, h5py.Dataset) and not parts:
             return item
         if not isinstance(item, h5py.Group):
-            held = ", ".join(sorted(here)) or "nothing"
-            raise SurfaceError(f"{name}: no dataset {part} in {here.name}; it holds {held}")
+            raise SurfaceError(f"{name}: no dataset {part} in {here.name}; {_held(here)}")
         here = item
-    held = ", ".join(sorted(here)) or "nothing"
-    raise SurfaceError(f"{name}: {here.name} is a group, not a dataset; it holds {held}")
+    raise SurfaceError(f"{name}: {here.name} is a group, not a dataset; {_held(here)}")
+
+
+def _held(group: h5py.Group) -> str:
+    """Say what a group holds, or the beginning of it."""
+    names = sorted(group)
+    shown = [on_one_line(name) for name in names[:_MOST_NAMES]]
+    if len(names) > _MOST_NAMES:
+        shown.append(f"and {len(names) - _MOST_NAMES} more")
+    return f"it holds {', '.join(shown) or 'nothing'}"

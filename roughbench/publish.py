@@ -4,28 +4,35 @@ from __future__ import annotations
 
 import contextlib
 import glob
+import hashlib
 import itertools
 import os
+import stat
 from collections.abc import Callable
 from pathlib import Path
 from typing import IO
 
-from roughbench.errors import StoreError
+from roughbench.errors import StoreError, explained
 
+_LONGEST_STEM = 200
+"""Bytes; file systems allow 255, and a temporary name has a process and a number too."""
 _counter = itertools.count()
 
 
 def publish(write: Callable[[IO[bytes]], object], path: Path) -> None:
     """Make what ``write`` writes the file ``path``, in one step that survives a power cut.
 
+    A file that is replaced leaves its permissions to the new one.
+
     Raises
     ------
     OSError
         If the system refuses; what stood under ``path`` before is still there.
     """
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.{next(_counter)}.tmp")
+    temporary = temporary_of(path)
     try:
         with temporary.open("xb") as file:
+            _keep_mode(path, file.fileno())
             write(file)
             file.flush()
             os.fsync(file.fileno())
@@ -35,6 +42,23 @@ def publish(write: Callable[[IO[bytes]], object], path: Path) -> None:
             temporary.unlink()
         raise
     _sync_folder(path.parent)
+
+
+def temporary_of(path: Path) -> Path:
+    """Return a new name beside ``path``, for what is not whole yet; never too long a name."""
+    return path.with_name(f".{_stem(path)}.{os.getpid()}.{next(_counter)}.tmp")
+
+
+def _stem(path: Path) -> str:
+    name = os.fsencode(path.name)
+    return path.name if len(name) <= _LONGEST_STEM else hashlib.sha256(name).hexdigest()[:32]
+
+
+def _keep_mode(path: Path, descriptor: int) -> None:
+    with contextlib.suppress(OSError):
+        before = path.lstat().st_mode
+        if stat.S_ISREG(before):
+            os.fchmod(descriptor, before & 0o777)
 
 
 def make_folder(folder: Path) -> None:
@@ -49,8 +73,7 @@ def make_folder(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise StoreError(
-            f"cannot make the folder {folder}: {error.strerror or error}; "
-            "choose another place with -o"
+            f"cannot make the folder {folder}: {explained(error, 'choose another place')}"
         ) from error
 
 
@@ -68,8 +91,7 @@ def commit(data: bytes, path: str | os.PathLike[str]) -> Path:
         publish(lambda file: file.write(data), target)
     except OSError as error:
         raise StoreError(
-            f"cannot write {target}: {error.strerror or error}; "
-            "choose another place with -o, or make room and permission there"
+            f"cannot write {target}: {explained(error, 'choose another place with -o')}"
         ) from error
     return target
 
@@ -79,30 +101,10 @@ def remove_leftovers(path: Path) -> None:
 
     Only for whom no other process can be publishing the same file.
     """
+    path = Path(os.path.realpath(path))
     with contextlib.suppress(OSError):
-        for leftover in path.parent.glob(f".{glob.escape(path.name)}.[0-9]*.[0-9]*.tmp"):
+        for leftover in path.parent.glob(f".{glob.escape(_stem(path))}.[0-9]*.[0-9]*.tmp"):
             leftover.unlink()
-
-
-def check_writable(path: str | os.PathLike[str]) -> None:
-    """Refuse an output path before hours of work rather than after them.
-
-    Raises
-    ------
-    StoreError
-        If ``path`` is a folder, or its folder is missing or not writable.
-    """
-    target = Path(path)
-    if target.is_dir():
-        raise StoreError(f"cannot write {target}: it is a folder; give a file name in it")
-    if not target.parent.is_dir():
-        raise StoreError(
-            f"cannot write {target}: no such folder {target.parent}; create it first"
-        )
-    if not os.access(target.parent, os.W_OK | os.X_OK):
-        raise StoreError(
-            f"cannot write {target}: no permission in {target.parent}; choose another place"
-        )
 
 
 def _sync_folder(folder: Path) -> None:

@@ -15,6 +15,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import itertools
+import math
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -22,13 +23,15 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from roughbench.errors import StoreError
+from roughbench.errors import StoreError, explained
 from roughbench.models.base import Status
-from roughbench.publish import commit
+from roughbench.outputs import Kind, write_output
+from roughbench.program import command, program
 from roughbench.results import Array, Attribute, ModelResult, Results
+from roughbench.text import on_one_line, printable, unsafe_character
 from roughbench.variables import STORABLE, dimensions, fits
 
-__all__ = ["FORMAT_VERSION", "ModelResult", "Results", "commit", "load", "write_results"]
+__all__ = ["FORMAT_VERSION", "RESULTS", "ModelResult", "Results", "load", "write_results"]
 
 FORMAT = "roughbench"
 FORMAT_VERSION = 2
@@ -39,13 +42,16 @@ _HDF5 = b"\x89HDF\r\n\x1a\n"
 _SEAL = b"\nroughbench-sha256:"
 _SEAL_LENGTH = len(_SEAL) + 65
 
+_ATTRIBUTES = (b"format_version", b"spec_sha256", FORMAT.encode())
 _REQUIRED = ("pressure", "status")
-_RERUN = "run its spec again (roughbench run SPEC.yaml)"
+_LONGEST_NAME = 1000
+"""Characters; a sweep of many keys has long names."""
+_LEAST_CHUNK = 1 << 16
 _counter = itertools.count()
 
 
 def write_results(results: Results, path: str | os.PathLike[str]) -> Path:
-    """Write the results file; an existing file is replaced in one step, or left as it is.
+    """Write the results file; one that is there is replaced in one step, or left as it is.
 
     Parameters
     ----------
@@ -61,9 +67,9 @@ def write_results(results: Results, path: str | os.PathLike[str]) -> Path:
     Raises
     ------
     StoreError
-        If the file cannot be written.
+        If the file cannot be written, or stands where another file is.
     """
-    return commit(image(results), path)
+    return write_output(image(results), path, RESULTS)
 
 
 def load(path: str | os.PathLike[str]) -> Results:
@@ -82,22 +88,54 @@ def load(path: str | os.PathLike[str]) -> Results:
     ------
     StoreError
         If there is no such file, it is no roughbench results file or one of a newer
-        format, it is damaged, or it refers to other files.
+        format, it is damaged, refers to other files, has names that roughbench gives to
+        nothing, or claims more than it holds. Texts are escaped where they do not print.
     """
     source = Path(path)
-    if not source.exists():
-        raise StoreError(f"{source}: no such file; {_RERUN} or check the name")
-    if source.is_dir():
-        raise StoreError(f"{source}: is a folder; give the results file in it")
+    try:
+        if source.is_dir():
+            raise StoreError(f"{source}: is a folder; give the results file in it")
+        with source.open("rb"):
+            pass
+    except FileNotFoundError:
+        raise StoreError(f"{source}: no such file; {_rerun()} or check the name") from None
+    except OSError as error:
+        raise StoreError(f"{source}: cannot be read: {explained(error)}") from error
     try:
         _check_seal(source)
         with h5py.File(source, "r") as file:
             return _read_root(file, source)
     except (OSError, KeyError, RuntimeError, ValueError, TypeError) as error:
-        raise StoreError(f"{source}: damaged ({error}); {_RERUN}") from error
+        raise StoreError(f"{source}: damaged ({error}); {_rerun()}") from error
+
+
+def whose(path: str | os.PathLike[str]) -> tuple[str, str] | None:
+    """Return the name and the hash of the spec that a results file is of.
+
+    None if there is no sound results file, so that there are no results to lose.
+    """
+    source = Path(path)
+    try:
+        _check_seal(source)
+        with h5py.File(source, "r") as file:
+            budget = _Budget(source)
+            name, sha256 = (_attribute(file, key, budget) for key in ("name", "spec_sha256"))
+            return on_one_line(str(name)), str(sha256)
+    except (StoreError, OSError, KeyError, RuntimeError, ValueError, TypeError):
+        return None
 
 
 # -- writing -----------------------------------------------------------------------------
+
+
+def _is_results(head: bytes, tail: bytes) -> bool:
+    """Whether a file is one of ours, perhaps damaged at one end."""
+    if _SEAL in tail[-2 * _SEAL_LENGTH :]:
+        return True
+    return head.startswith(_HDF5) and all(word in head for word in _ATTRIBUTES)
+
+
+RESULTS = Kind("results file", _is_results)
 
 
 def image(results: Results) -> bytes:
@@ -147,9 +185,17 @@ def _check_seal(source: Path) -> None:
     if data.startswith(_HDF5):
         raise StoreError(
             f"{source}: an HDF5 file, but not written by roughbench, or cut short; give a "
-            f"results file of 'roughbench run', or {_RERUN}"
+            f"results file of 'roughbench run', or {_rerun()}"
         )
-    raise StoreError(f"{source}: not an HDF5 file; give a roughbench results file")
+    if source.suffix in {".yaml", ".yml"}:
+        hint = f"if it is a spec, compute it with: {command('run', source)}"
+    else:
+        hint = "give a roughbench results file"
+    raise StoreError(f"{source}: not an HDF5 file; {hint}")
+
+
+def _rerun() -> str:
+    return f"run its spec again ({program()} run SPEC.yaml)"
 
 
 @contextlib.contextmanager
@@ -223,12 +269,13 @@ def _with_scales(result: ModelResult) -> dict[str, Array]:
 
 
 def _read_root(file: h5py.File, source: Path) -> Results:
-    if file.attrs.get("format") != FORMAT:
+    budget = _Budget(source)
+    if "format" not in file.attrs or _attribute(file, "format", budget) != FORMAT:
         raise StoreError(
             f"{source}: an HDF5 file, but not written by roughbench; "
             "give a results file of 'roughbench run'"
         )
-    version = int(file.attrs["format_version"])
+    version = int(_attribute(file, "format_version", budget))
     if version > FORMAT_VERSION:
         raise StoreError(
             f"{source}: has format version {version}, newer than {FORMAT_VERSION}; "
@@ -236,48 +283,89 @@ def _read_root(file: h5py.File, source: Path) -> Results:
         )
     experiments = {
         experiment: {
-            label: _read_model(group, label, source)
-            for label, group in _members(models, h5py.Group, source)
+            label: _read_model(group, label, budget)
+            for label, group in _members(models, h5py.Group, budget)
         }
-        for experiment, models in _members(file, h5py.Group, source)
+        for experiment, models in _members(file, h5py.Group, budget)
     }
-    return Results(
-        experiments=experiments,
-        spec_text=str(file.attrs["spec"]),
-        spec_sha256=str(file.attrs["spec_sha256"]),
-        name=str(file.attrs["name"]),
+    text, sha256, name = (
+        str(_attribute(file, key, budget)) for key in ("spec", "spec_sha256", "name")
     )
+    return Results(experiments, printable(text), on_one_line(sha256), on_one_line(name))
+
+
+class _Budget:
+    """What a file of ours can hold: each object once, and no more bytes than it has.
+
+    A crafted one links the same object a million times, or declares arrays that nobody wrote.
+    """
+
+    def __init__(self, source: Path) -> None:
+        self.source = source
+        self._left = self._size = source.stat().st_size
+        self._seen: set[tuple[int, int]] = set()
+
+    def meet(self, item: h5py.Group | h5py.Dataset) -> None:
+        """Refuse an object that was met before."""
+        info = h5py.h5o.get_info(item.id)
+        place = (info.fileno, info.addr)
+        if place in self._seen:
+            raise ValueError(f"{on_one_line(item.name)} stands in it under two names")
+        self._seen.add(place)
+
+    def take(self, n_bytes: int, what: str) -> None:
+        """Refuse more bytes in all than the file has."""
+        self._left -= n_bytes
+        if self._left < 0:
+            raise ValueError(f"{what} claims {n_bytes} bytes, the file has {self._size} in all")
 
 
 def _members(
-    group: h5py.Group, wanted: type[h5py.Group | h5py.Dataset], source: Path
+    group: h5py.Group, wanted: type[h5py.Group | h5py.Dataset], budget: _Budget
 ) -> Iterator[tuple[str, h5py.Group | h5py.Dataset]]:
     """Yield the members of a group; only plain links to the wanted type are followed."""
     for name in group:
+        _check_name(name)
         if not isinstance(group.get(name, getlink=True), h5py.HardLink):
             raise StoreError(
-                f"{source}: {group.name}/{name} is a link to another place, which no "
-                f"roughbench file has; {_RERUN}"
+                f"{budget.source}: {group.name}/{name} is a link to another place, which no "
+                f"roughbench file has; {_rerun()}"
             )
         member = group[name]
         if not isinstance(member, wanted):
             raise ValueError(f"{member.name} should be a {wanted.__name__.lower()}")
+        budget.meet(member)
         yield name, member
 
 
-def _read_model(group: h5py.Group, label: str, source: Path) -> ModelResult:
-    attributes = {name: _plain(value) for name, value in group.attrs.items()}
+def _check_name(name: str) -> None:
+    """Refuse names that mean something to file systems, terminals or spreadsheets."""
+    means_else = "/" in name or name[:1] in "=+-@" or name == "."
+    if means_else or unsafe_character(name) or len(name) > _LONGEST_NAME:
+        shown = on_one_line(name[:_LONGEST_NAME])
+        raise ValueError(f"the name {shown!r} is none that roughbench gives")
+
+
+def _read_model(group: h5py.Group, label: str, budget: _Budget) -> ModelResult:
+    attributes = {}
+    for name in group.attrs:
+        _check_name(name)
+        value = _attribute(group, name, budget)
+        attributes[name] = on_one_line(value) if isinstance(value, str) else value
     kind, title = str(attributes.pop("kind")), str(attributes.pop("title"))
-    size = source.stat().st_size
     variables: dict[str, Array] = {}
-    for name, data in _members(group, h5py.Dataset, source):
+    for name, data in _members(group, h5py.Dataset, budget):
         if data.external or data.is_virtual:
             raise StoreError(
-                f"{source}: {data.name} keeps its values in another file, which no "
-                f"roughbench file does; {_RERUN}"
+                f"{budget.source}: {data.name} keeps its values in another file, which no "
+                f"roughbench file does; {_rerun()}"
             )
-        if data.dtype not in STORABLE or data.nbytes > size:
-            raise ValueError(f"{data.name} claims {data.nbytes} bytes of {data.dtype}")
+        if data.dtype not in STORABLE:
+            raise ValueError(f"{data.name} is of {data.dtype}")
+        budget.take(data.nbytes, data.name)
+        # A chunk is read whole, and may be larger than the array.
+        if math.prod(data.chunks or ()) * data.dtype.itemsize > max(data.nbytes, _LEAST_CHUNK):
+            raise ValueError(f"{data.name} has chunks of {data.chunks} for {data.shape}")
         variables[name] = data[()]
     missing = [name for name in _REQUIRED if name not in variables]
     if missing:
@@ -286,6 +374,18 @@ def _read_model(group: h5py.Group, label: str, source: Path) -> ModelResult:
     for index in ("realization", "field"):
         variables.pop(index, None)
     return ModelResult(label, kind, title, attributes, variables)
+
+
+def _attribute(owner: h5py.Group, name: str, budget: _Budget) -> Attribute:
+    """Return an attribute as a plain Python string or number; look at its size first."""
+    attribute = owner.attrs.get_id(name)
+    if attribute.shape != ():
+        raise ValueError(f"an attribute {on_one_line(name)} of shape {attribute.shape}")
+    budget.take(attribute.dtype.itemsize, f"attribute {on_one_line(name)}")
+    value = _plain(owner.attrs[name])
+    if isinstance(value, str):
+        budget.take(len(value), f"attribute {on_one_line(name)}")
+    return value
 
 
 def _check_shapes(variables: dict[str, Array], where: str) -> None:

@@ -12,11 +12,14 @@ import pytest
 import roughbench
 
 LAYERS = (
+    "text",
+    "program",
     "errors",
     "locks",
     "memory",
     "inputs",
     "publish",
+    "outputs",
     "spectrum",
     "surface",
     "heights_file",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from pathlib import Path
 from typing import Any
 
@@ -291,3 +292,79 @@ def test_damaged_chunks_are_refused(tmp_path: Path) -> None:
     path.write_bytes(bytes(raw))
     with pytest.raises(SurfaceError, match="the dataset cannot be read"):
         load_heights(f"{path}:/h")
+
+
+# Files that claim more than they hold ---------------------------------------------------------
+
+
+def test_a_header_that_claims_more_than_the_file_has(tmp_path: Path) -> None:
+    path = tmp_path / "heights.npy"
+    with path.open("wb") as file:
+        header = {"descr": "<f8", "fortran_order": False, "shape": (100_000, 100_000)}
+        np.lib.format.write_array_header_1_0(file, header)
+        file.write(bytes(1000))
+    tracemalloc.start()
+    with pytest.raises(SurfaceError, match=r"take 80000000000 bytes, it has 1000"):
+        load_heights(path)
+    assert tracemalloc.get_traced_memory()[1] < 1e6
+    tracemalloc.stop()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({}, r"parts .* were never written \(8000000000 bytes are declared, 0 stored\)"),
+        ({"chunks": (10, 100)}, "were never written"),
+        ({"chunks": (10, 100), "compression": "gzip"}, "were never written"),
+    ],
+)
+def test_heights_that_were_never_written(
+    tmp_path: Path, options: dict[str, Any], message: str
+) -> None:
+    """They would read as zeros."""
+    path = tmp_path / "heights.h5"
+    with h5py.File(path, "w") as file:
+        data = file.create_dataset("h", shape=(10_000, 100_000), dtype="f8", **options)
+        if options:
+            data[:10, :100] = 1.0
+    tracemalloc.start()
+    with pytest.raises(SurfaceError, match=message):
+        load_heights(f"{path}:/h")
+    assert tracemalloc.get_traced_memory()[1] < 1e6
+    tracemalloc.stop()
+
+
+def test_chunks_that_are_larger_than_the_heights(tmp_path: Path) -> None:
+    path = tmp_path / "heights.h5"
+    with h5py.File(path, "w") as file:
+        options = {"chunks": (100_000,), "maxshape": (None,), "compression": "gzip"}
+        data = file.create_dataset("h", shape=(8,), dtype="f8", **options)
+        data[:] = np.arange(8.0)
+    with h5py.File(path, "a") as file:
+        stored = file["h"].id.get_storage_size()
+    assert stored > 800_000 / 1032  # deflate cannot do more
+    assert load_heights(f"{path}:/h").tolist() == list(range(8))
+    with h5py.File(path, "w") as file:
+        zeros = np.zeros((1000, 1000), np.int32)
+        file.create_dataset(
+            "h", data=zeros, chunks=zeros.shape, scaleoffset=0, compression="gzip"
+        )
+    with pytest.raises(SurfaceError, match="claim to be 4000000 bytes of heights; save them"):
+        load_heights(f"{path}:/h")
+
+
+def test_long_lists_of_names_are_cut_and_escaped(tmp_path: Path) -> None:
+    path = tmp_path / "heights.h5"
+    with h5py.File(path, "w") as file:
+        for number in range(1000):
+            file[f"a\x1b{number:04}\n"] = 1.0
+    with pytest.raises(SurfaceError, match="and 992 more") as caught:
+        load_heights(f"{path}:/h")
+    assert str(caught.value).isprintable()
+    assert len(str(caught.value)) < 300
+
+
+def test_what_the_system_says_is_passed_on(tmp_path: Path) -> None:
+    for name in (f"{'x' * 300}.npy", f"{'x' * 300}.h5:/h"):
+        with pytest.raises(SurfaceError, match="cannot be read: File name too long; choose a"):
+            load_heights(name, tmp_path)

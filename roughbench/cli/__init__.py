@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import importlib
-import shlex
+import os
 import sys
 import traceback
 from collections.abc import Sequence
@@ -25,7 +25,11 @@ from roughbench.errors import (
     RoughbenchError,
     SpecError,
     SurfaceError,
+    explained,
 )
+from roughbench.program import command as command_line
+from roughbench.program import program
+from roughbench.text import on_one_line, printable, suggestion
 
 COMMANDS = (
     "run",
@@ -74,6 +78,20 @@ class LazyGroup(click.Group):
         command = importlib.import_module(f"roughbench.cli.{cmd_name}").command
         return command if isinstance(command, click.Command) else None
 
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Say what was probably meant where there is no such command."""
+        word = args[0]
+        if word in COMMANDS or word.startswith("-"):
+            return super().resolve_command(ctx, args)
+        if word.endswith((".yaml", ".yml")):
+            hint = f"To compute a spec: {command_line('run', *args)}"
+        else:
+            near = suggestion(word, COMMANDS)
+            hint = f"Did you mean {near!r}?" if near else f"There are {', '.join(COMMANDS)}."
+        raise click.UsageError(f"No such command {on_one_line(word)!r}. {hint}", ctx)
+
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command; errors become a message on stderr and a documented exit code."""
         try:
@@ -85,14 +103,15 @@ class LazyGroup(click.Group):
             with contextlib.suppress(OSError):  # of a terminal that has been closed
                 if ctx.meta.get(DEBUG):
                     click.echo("".join(traceback.format_exception(error)), err=True, nl=False)
-                lines = [_message(error), *getattr(error, "__notes__", ())]
-                click.echo("\n".join(lines), err=True)
+                told = "\n".join([_message(error), *getattr(error, "__notes__", ())])
+                click.echo(printable(told), err=True)
             ctx.exit(next(code for kind, code in _CODES if isinstance(error, kind)))
 
     def main(self, args: Sequence[str] | None = None, *rest: Any, **options: Any) -> Any:
         """Remember the command line, to say how a run is resumed."""
         given = list(sys.argv[1:] if args is None else args)
-        options["obj"] = shlex.join(["roughbench", *given])
+        options["obj"] = command_line(*given)
+        options.setdefault("prog_name", program())
         return super().main(given, *rest, **options)
 
 
@@ -107,10 +126,21 @@ def _message(error: BaseException) -> str:
         return f"error: {error}"
     if isinstance(error, MemoryError):
         return f"error: out of memory ({error}); take a smaller grid or fewer jobs (-j)"
+    if (
+        isinstance(error, OSError) and error.errno is not None
+    ):  # the system's, and no fault here
+        places = [on_one_line(os.fsdecode(p)) for p in _places(error)]
+        return f"error: {': '.join([*places, explained(error)])}"
     return (
         f"error: {type(error).__name__}: {error}\n"
         "This is a fault of roughbench; --debug shows where. Please report it."
     )
+
+
+def _places(error: OSError) -> list[str | bytes]:
+    """Return the files that an error of the system names; a number is a descriptor."""
+    given = (error.filename, error.filename2)
+    return [place for place in given if isinstance(place, str | bytes)]
 
 
 def _print_version(ctx: click.Context, _parameter: click.Parameter, value: bool) -> None:  # noqa: FBT001

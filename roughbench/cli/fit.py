@@ -40,10 +40,11 @@ def command(results: Path, as_json: bool, reference: str | None, resamples: int)
     from roughbench.cli.fit_tables import as_text, to_json
     from roughbench.fits import fit
     from roughbench.store import load
+    from roughbench.text import on_one_line
 
     loaded = load(results)
     fitted = fit(loaded, reference=reference, resamples=resamples)
     if as_json:
         click.echo(to_json(loaded, fitted, reference, resamples))
     else:
-        click.echo(as_text(loaded, fitted, str(results), reference))
+        click.echo(as_text(loaded, fitted, on_one_line(str(results)), reference))

@@ -5,17 +5,25 @@ from __future__ import annotations
 from pathlib import Path
 
 import click
+from click.core import ParameterSource
 
-from roughbench.cli.options import debug_option, example, results_argument
+from roughbench.cli.options import debug_option, example
+from roughbench.errors import StoreError
+from roughbench.program import command as command_line
+from roughbench.text import on_one_line
 
 
 @click.command(
     "plot",
     epilog=example(
-        "roughbench plot quick.h5", "roughbench plot quick.h5 -o figures --figure stiffness"
+        "roughbench plot quick.h5",
+        "roughbench plot quick.h5 -o figures --figure stiffness",
+        "roughbench plot h07.h5 h08.h5 -o hurst",
     ),
 )
-@results_argument
+@click.argument(
+    "results", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="RESULTS..."
+)
 @click.option(
     "-o",
     "--output",
@@ -24,7 +32,7 @@ from roughbench.cli.options import debug_option, example, results_argument
     default=Path("figures"),
     show_default=True,
     metavar="DIR",
-    help="Folder for the figures; made if missing.",
+    help="Folder for the figures; made if missing. Several RESULTS have a folder each in it.",
 )
 @click.option(
     "--figure",
@@ -35,10 +43,13 @@ from roughbench.cli.options import debug_option, example, results_argument
     "contact; repeatable.",
 )
 @debug_option
-def command(results: Path, folder: Path, wanted: tuple[str, ...]) -> None:
+@click.pass_context
+def command(
+    ctx: click.Context, results: tuple[Path, ...], folder: Path, wanted: tuple[str, ...]
+) -> None:
     """Draw the figures of RESULTS as PDF and PNG.
 
-    All that it has the data for, if no --figure is given. Prints the paths of the files.
+    All that they have the data for, if no --figure is given. Prints the paths of the files.
     """
     from roughbench import figures
     from roughbench.store import load
@@ -49,7 +60,27 @@ def command(results: Path, folder: Path, wanted: tuple[str, ...]) -> None:
                 f"there is no figure {name!r}; choose among {', '.join(figures.FIGURES)}",
                 param_hint="--figure",
             )
-    loaded = load(results)
-    for name in wanted or figures.available(loaded):
-        for path in figures.render(loaded, name, folder):
-            click.echo(path)
+    folders = [folder]
+    if len(results) > 1:
+        from roughbench.report.sources import names_of
+
+        folders = [folder / Path(name).with_suffix("") for name in names_of(results)]
+    if ctx.get_parameter_source("folder") is ParameterSource.DEFAULT:
+        for path, its_folder in zip(results, folders, strict=True):
+            _refuse_to_mix(path, its_folder, figures.drawn_of(its_folder))
+    for path, its_folder in zip(results, folders, strict=True):
+        loaded = load(path)
+        for name in wanted or figures.available(loaded):
+            for file in figures.render(loaded, name, its_folder, path.name):
+                click.echo(file)
+
+
+def _refuse_to_mix(path: Path, folder: Path, drawn: set[str]) -> None:
+    """Two results in one folder look like one; only who names the folder wants that."""
+    others = sorted(drawn - {path.name})
+    if others:
+        other = folder / path.stem
+        raise StoreError(
+            f"{folder} has the figures of {on_one_line(others[0])}; draw these elsewhere: "
+            f"{command_line('plot', path, '-o', other)}, or over those: -o {folder}"
+        )

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from roughbench.text import printable
+
 if TYPE_CHECKING:
     from roughbench.runner import Progress, Report
 
@@ -190,7 +192,7 @@ class _Stderr(logging.Handler):
 
         level = f"{record.levelname.lower()}: " if record.levelno > logging.INFO else ""
         with tqdm.external_write_mode():
-            click.echo(level + record.getMessage(), err=True)
+            click.echo(level + printable(record.getMessage()), err=True)
 
 
 @contextlib.contextmanager

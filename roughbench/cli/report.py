@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import click
@@ -27,11 +28,11 @@ from roughbench.cli.options import (
 @click.option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=click.Path(path_type=Path),
     default=Path("report.html"),
     show_default=True,
     metavar="FILE",
-    help="The page; replaced if it exists.",
+    help="The page; one that is there is replaced. The folder is made if missing.",
 )
 @reference_option
 @resamples_option
@@ -45,13 +46,15 @@ def command(
     hold, by which rule and with which numbers; interactive figures of all curves; the fits
     with errors; what to know before trusting them; and how to compute it all again.
     """
-    from roughbench.publish import check_writable, commit
-    from roughbench.report import make_report
+    from roughbench.outputs import check_output, write_output
+    from roughbench.publish import make_folder
+    from roughbench.report import PAGE, make_report
 
-    if output.resolve() in [path.resolve() for path in results]:
+    if os.path.realpath(output) in [os.path.realpath(path) for path in results]:
         raise click.BadParameter(
             f"{output} is one of the results files; choose another name", param_hint="-o"
         )
-    check_writable(output)
+    check_output(output, PAGE)
     page = make_report(results, reference=reference, resamples=resamples)
-    click.echo(commit(page.encode(), output))
+    make_folder(output.parent)
+    click.echo(write_output(page.encode(), output, PAGE))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +10,8 @@ import click
 
 from roughbench.cli.options import debug_option, example
 from roughbench.cli.progress import duration, progress_shown
+from roughbench.program import command as command_line
+from roughbench.text import on_one_line
 
 if TYPE_CHECKING:
     from roughbench.results import Results
@@ -30,7 +31,8 @@ if TYPE_CHECKING:
     "-o",
     "--output",
     type=click.Path(path_type=Path),
-    help="Results file; default NAME.h5 in the current folder. Replaced if it exists.",
+    help="Results file; default NAME.h5 in the current folder. Results that are there are "
+    "replaced, other files never. The folder is made if missing.",
 )
 @click.option(
     "-j",
@@ -59,7 +61,12 @@ if TYPE_CHECKING:
     help="Change one value of the spec, as surface.H=0.8 or models.bem.grid=256; repeatable.",
 )
 @click.option("-n", "--dry-run", is_flag=True, help="Only say what would be computed, and why.")
-@click.option("-f", "--force", is_flag=True, help="Compute everything again.")
+@click.option(
+    "-f",
+    "--force",
+    is_flag=True,
+    help="Compute everything again; replace results of another spec.",
+)
 @click.option(
     "-k", "--keep-going", is_flag=True, help="After a task that fails, finish all others first."
 )
@@ -67,7 +74,8 @@ if TYPE_CHECKING:
     "--only",
     multiple=True,
     metavar="TASK",
-    help="Compute only this: main/bem, or main/bem:4, its fourth realization; repeatable.",
+    help="Compute only this: main/bem; main/bem:4, its fourth realization; or bem, that of "
+    "every experiment; repeatable.",
 )
 @click.option(
     "--engine",
@@ -156,7 +164,7 @@ def command(
             **options,
         )
         for part in parts:
-            click.echo(part)
+            click.echo(on_one_line(str(part)))
         click.echo(_total([part.tasks for part in parts], sum(part.seconds for part in parts)))
         return
     with progress_shown(quiet=quiet, verbose=verbose) as progress:
@@ -230,12 +238,11 @@ def _summary(results: Results, target: Path, elapsed: float) -> str:
             seconds, memory = spent[name]
             line += f", {duration(seconds)} of tasks, {memory / 1e9:.2f} GB at most"
         lines.append(line)
-    path = shlex.quote(str(target))
     return "\n".join(
         [
             f"done in {duration(elapsed)}; realizations × pressures:",
             *lines,
-            f"show it: roughbench show {path}",
-            f"draw it: roughbench plot {path}",
+            f"show it: {command_line('show', target)}",
+            f"draw it: {command_line('plot', target)}",
         ]
     )

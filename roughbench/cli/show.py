@@ -32,6 +32,7 @@ def command(results: Path, as_json: bool) -> None:  # noqa: FBT001
     """
     from roughbench.cli.tables import as_text, to_json
     from roughbench.store import load
+    from roughbench.text import on_one_line
 
     loaded = load(results)
-    click.echo(to_json(loaded) if as_json else as_text(loaded, str(results)))
+    click.echo(to_json(loaded) if as_json else as_text(loaded, on_one_line(str(results))))

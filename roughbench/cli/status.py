@@ -27,18 +27,19 @@ def command(path: Path, as_json: bool) -> None:  # noqa: FBT001
     spec.
     """
     from roughbench.runner import status
+    from roughbench.text import on_one_line
 
     state = status(path)
     if as_json:
         click.echo(json.dumps(state.as_dict(), indent=1))
         return
-    for part in state.parts:
-        click.echo(part)
-    click.echo(
+    lines = [str(part) for part in state.parts]
+    lines.append(
         f"{state.results}: {state.state}, {state.done} of {state.states} states are done"
     )
     if state.holder:
         host, process = state.holder.get("host"), state.holder.get("process")
-        click.echo(f"process {process} on {host} since {state.holder.get('since')}")
+        lines.append(f"process {process} on {host} since {state.holder.get('since')}")
     elif state.state == "incomplete" and state.command:
-        click.echo(f"resume: {state.command}")
+        lines.append(f"resume: {state.command}")
+    click.echo("\n".join(on_one_line(line) for line in lines))

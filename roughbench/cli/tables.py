@@ -6,12 +6,14 @@ import csv
 import io
 import json
 import math
+import re
 import textwrap
 from collections.abc import Iterator
 
 import numpy as np
 
 from roughbench.observables import OBSERVABLES
+from roughbench.outputs import Kind
 from roughbench.results import Array, Attribute, ModelResult, Results
 from roughbench.variables import dimensions, variable_of
 
@@ -29,6 +31,8 @@ _OF_SURFACE = (
     "seed",
 )
 _OF_FIELDS = ("dimension", "exponent_from", "exponent_to", "persson_gamma")
+TABLE = Kind("table", lambda head, _: re.match(rb"(\w+ \[[^]\n]*\],?)+\n", head) is not None)
+"""CSV: recognized by its first line, which has nothing but names with units."""
 _NOT_OPTIONS = (*_OF_SURFACE, *_OF_FIELDS, "rms_height", "grid_points")
 
 

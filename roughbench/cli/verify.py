@@ -21,9 +21,10 @@ def command(ctx: click.Context, path: Path) -> None:
     """
     from roughbench.cli import EXIT_FAILED
     from roughbench.runner import verify
+    from roughbench.text import on_one_line
 
     sound, faults = verify(path)
     for fault in faults:
-        click.echo(f"damaged: {fault}", err=True)
+        click.echo(f"damaged: {on_one_line(fault)}", err=True)
     click.echo(f"{sound} files are sound, {len(faults)} damaged")
     ctx.exit(EXIT_FAILED if faults else 0)

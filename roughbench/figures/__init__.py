@@ -31,7 +31,7 @@ from roughbench.figures import (
 )
 from roughbench.figures.agreement import Agreement, departures
 from roughbench.figures.observed import Observed
-from roughbench.figures.style import publication_style, save
+from roughbench.figures.style import check_files, publication_style, save, source_of
 from roughbench.observables import OBSERVABLES
 from roughbench.results import Results
 from roughbench.variables import variable_of
@@ -39,7 +39,7 @@ from roughbench.variables import variable_of
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["FIGURES", "Agreement", "Recipe", "available", "departures", "render"]
+__all__ = ["FIGURES", "Agreement", "Recipe", "available", "departures", "drawn_of", "render"]
 
 
 class Recipe(Protocol):
@@ -71,10 +71,19 @@ def available(results: Results) -> list[str]:
     return [name for name, recipe in FIGURES.items() if recipe.missing(results) is None]
 
 
-def render(results: Results, name: str, folder: str | os.PathLike[str]) -> list[Path]:
+def drawn_of(folder: str | os.PathLike[str]) -> set[str]:
+    """Return the names of the results files that the figures in a folder say they are of."""
+    found = {source_of(Path(folder) / f"{name}.png") for name in FIGURES}
+    return found - {""}
+
+
+def render(
+    results: Results, name: str, folder: str | os.PathLike[str], source: str = ""
+) -> list[Path]:
     """Draw a figure into a folder, as PDF and PNG.
 
-    The same results give the same bytes; each file is replaced in one step.
+    The same results give the same bytes. Each file is replaced in one step, if it is a
+    figure that roughbench drew.
 
     Parameters
     ----------
@@ -84,6 +93,8 @@ def render(results: Results, name: str, folder: str | os.PathLike[str]) -> list[
         One of :data:`FIGURES`.
     folder : path
         Made if it does not exist.
+    source : str
+        Name of the results file, for :func:`drawn_of`.
 
     Returns
     -------
@@ -94,7 +105,7 @@ def render(results: Results, name: str, folder: str | os.PathLike[str]) -> list[
     ------
     StoreError
         If there is no such figure, the results lack what it shows, or a file cannot be
-        written.
+        written or is somebody else's.
     """
     if name not in FIGURES:
         raise StoreError(f"there is no figure {name!r}; choose one of {', '.join(FIGURES)}")
@@ -104,5 +115,6 @@ def render(results: Results, name: str, folder: str | os.PathLike[str]) -> list[
         raise StoreError(
             f"figure {name!r} needs {lack}; figures that these results allow: {allowed}"
         )
+    check_files(name, Path(folder))
     with publication_style():
-        return save(recipe.draw(results), name, Path(folder))
+        return save(recipe.draw(results), name, Path(folder), source)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import contextlib
 import io
+import re
+import urllib.parse
 from collections.abc import Iterator
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from roughbench.publish import commit, make_folder
+from roughbench.outputs import ENDS, Kind, check_output, write_output
+from roughbench.publish import make_folder
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -24,6 +27,8 @@ GUIDE = "0.45"
 """Grey of guide lines and of what they say."""
 SMALL = 7.0
 """Size of annotations, in points."""
+MAKER = "roughbench"
+"""Both files name it, so that no figure of anybody else is ever replaced."""
 BACKGROUND = {"facecolor": "white", "edgecolor": "none", "pad": 0.4}
 """Box behind a word that lines may run through."""
 
@@ -100,10 +105,24 @@ def footnote(figure: Figure, lines: list[str]) -> None:
         figure.supxlabel("\n".join(lines), color=GUIDE)
 
 
-def save(figure: Figure, name: str, folder: Path) -> list[Path]:
+def check_files(name: str, folder: Path) -> None:
+    """Refuse to draw what could not be saved.
+
+    Raises
+    ------
+    StoreError
+        If ``name.pdf`` or ``name.png`` is a file of somebody else, or cannot be written.
+    """
+    for suffix, kind in FIGURE.items():
+        check_output(folder / f"{name}.{suffix}", kind)
+
+
+def save(figure: Figure, name: str, folder: Path, source: str = "") -> list[Path]:
     """Write ``name.pdf`` and ``name.png``, each in one step.
 
-    Equal figures give equal bytes: neither file holds a date or the name of a program.
+    Both say which results file they were drawn of, if ``source`` names one.
+
+    Equal figures give equal bytes: neither file holds a date or a version.
 
     Returns
     -------
@@ -113,18 +132,39 @@ def save(figure: Figure, name: str, folder: Path) -> list[Path]:
     Raises
     ------
     StoreError
-        If the folder cannot be made, or the files not be written.
+        If the folder cannot be made, or the files not be written, or one of their names
+        is that of another file.
     """
     make_folder(folder)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")  # laid out: the same in both files
-    undated: dict[str, dict[str, None]] = {
-        "pdf": {"Creator": None, "Producer": None, "CreationDate": None},
-        "png": {"Software": None},
+    maker = f"{MAKER}, of <{urllib.parse.quote(source)}>" if source else MAKER
+    undated: dict[str, dict[str, str | None]] = {
+        "pdf": {"Creator": maker, "Producer": None, "CreationDate": None},
+        "png": {"Software": maker},
     }
     paths = []
     for suffix, metadata in undated.items():
         image = io.BytesIO()
         figure.savefig(image, format=suffix, metadata=metadata)
-        paths.append(commit(image.getvalue(), folder / f"{name}.{suffix}"))
+        path = folder / f"{name}.{suffix}"
+        paths.append(write_output(image.getvalue(), path, FIGURE[suffix]))
     return paths
+
+
+def source_of(path: Path) -> str:
+    """Return the name of the results file that a PNG was drawn of; empty if it says none."""
+    with contextlib.suppress(OSError), path.open("rb") as file:
+        found = _PNG.search(file.read(ENDS))
+        return urllib.parse.unquote((found[1] or b"").decode("latin-1")) if found else ""
+    return ""
+
+
+_MADE = rb"roughbench(?:, of <([^>]*)>)?"
+_PDF = re.compile(rb"/Creator \(" + _MADE + rb"\)")
+_PNG = re.compile(rb"tEXtSoftware\0" + _MADE)
+FIGURE = {
+    "pdf": Kind("figure", lambda _, tail: _PDF.search(tail) is not None),
+    "png": Kind("figure", lambda head, _: _PNG.search(head) is not None),
+}
+"""By suffix."""

@@ -132,6 +132,10 @@ class Curve:
     diagnostics: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
 
+MOST_REALIZATIONS = 1_000_000
+"""Far more than averages need; files of finished ones are named with six digits."""
+
+
 class Model(BaseModel, ABC):
     """Options of one contender, and how it computes a curve.
 
@@ -173,7 +177,10 @@ class Model(BaseModel, ABC):
         description="Name of this model in the results; default: its kind.",
     )
     realizations: int | None = Field(
-        default=None, ge=1, description="Overrides the spec's realizations for this model."
+        default=None,
+        ge=1,
+        le=MOST_REALIZATIONS,
+        description="Overrides the spec's realizations for this model.",
     )
 
     @model_serializer(mode="wrap")

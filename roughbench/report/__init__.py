@@ -10,11 +10,14 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from roughbench.fits import RESAMPLES, fit
+from roughbench.outputs import Kind
 from roughbench.report.page import Content, render
 from roughbench.report.sources import Source, read_sources
 from roughbench.verdict import judge
 
-__all__ = ["Source", "make_report", "read_sources"]
+__all__ = ["PAGE", "Source", "make_report", "read_sources"]
+
+PAGE = Kind("report", lambda head, _: b'<meta name="generator" content="roughbench ' in head)
 
 
 def make_report(

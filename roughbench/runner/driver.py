@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from roughbench.errors import IncompleteError, RoughbenchError, StoreError
-from roughbench.publish import check_writable, commit
+from roughbench.outputs import check_output, write_output
+from roughbench.publish import make_folder
 from roughbench.results import ModelResult, Results
 from roughbench.runner.assemble import assemble
 from roughbench.runner.checkpoint import Checkpoint
@@ -17,7 +18,7 @@ from roughbench.runner.cluster import Cluster
 from roughbench.runner.dask_engine import compute_on_cluster
 from roughbench.runner.engine import Outcome
 from roughbench.runner.folder import RunFolder
-from roughbench.runner.journal import log, log_task, logged_to
+from roughbench.runner.journal import LOG, log, log_task, logged_to
 from roughbench.runner.local import (
     compute_here,
     compute_in_workers,
@@ -31,8 +32,8 @@ from roughbench.runner.provenance import provenance, spent
 from roughbench.runner.resources import Sharing, check_memory, sharing
 from roughbench.runner.speed import Speeds
 from roughbench.runner.survey import Stock, survey
-from roughbench.spec import Source, Spec, load_spec
-from roughbench.store import image
+from roughbench.spec import FileSurface, Source, Spec, load_spec
+from roughbench.store import RESULTS, image, whose
 
 
 def run(
@@ -58,9 +59,10 @@ def run(
     spec : path, str, mapping or Spec
         What to compute; see :func:`roughbench.spec.load_spec`.
     output : path, optional
-        Results file to write; replaced in one step at the end, if it exists. Finished
-        tasks are kept in its run directory, ``OUTPUT.rbrun``, from which a later run with
-        the same output resumes.
+        Results file to write; a results file that is there is replaced in one step at the
+        end, and no other file ever is. Finished tasks are kept in its run directory,
+        ``OUTPUT.rbrun``, from which a later run with the same output resumes. The folder is
+        made if missing.
     jobs : int, optional
         Tasks at once; more than 1 starts as many processes. None: as many as cores and
         memory allow.
@@ -72,7 +74,7 @@ def run(
     progress : callable, optional
         Called with a :class:`~roughbench.runner.Progress` whenever something is done.
     force : bool
-        Compute everything again.
+        Compute everything again, and replace the results of another spec.
     keep_going : bool
         After a task that fails, finish all others first.
     only : sequence of str
@@ -107,7 +109,8 @@ def run(
     LockedError
         If another run works for the same output.
     StoreError
-        If the run directory cannot be made.
+        If the output is a file that roughbench did not write or that the run reads, or the
+        results of another spec (without ``force``); or the run directory cannot be made.
 
     Examples
     --------
@@ -122,16 +125,20 @@ def run(
     refuse_in_a_new_worker()
     resolved = load_spec(spec, overrides)
     limits = _limits(jobs, threads, max_memory, cluster)
-    if output is not None:
-        check_writable(output)
     cells = plan(resolved)
+    _check_files(cells, output, log_file)
     check(cells)
     folder = RunFolder(output) if output is not None else None
     logs = [Path(log_file)] if log_file is not None else []
+    if folder is not None:
+        changed = _check_former(folder, resolved, force=force)
+        make_folder(folder.path.parent)
     with folder.locked(command or "a Python script") if folder else contextlib.nullcontext():
         if folder is not None:
             logs.append(folder.log)
         with logged_to(logs), _told(folder, command) as desk:
+            if folder is not None and changed:
+                log.warning("%s", changed)
             stocks = _take_stock(cells, limits, folder, force=force)
             if folder is not None:
                 folder.write_request(_request(resolved, stocks, command))
@@ -179,9 +186,13 @@ def preview(
         As :func:`run`.
     """
     limits = _limits(jobs, threads, max_memory, cluster)
-    cells = plan(load_spec(spec, overrides))
+    resolved = load_spec(spec, overrides)
+    cells = plan(resolved)
+    _check_files(cells, output, None)
     check(cells)
     folder = RunFolder(output) if output is not None else None
+    if folder is not None:
+        _check_former(folder, resolved, force=force)
     stocks = survey(cells, limits, folder, force=force)
     tasks = select(stocks, only, parts=limits.parts)
     if cluster is None:
@@ -198,6 +209,44 @@ def _limits(
     if cluster is not None:  # the cores of this machine mean nothing there
         return sharing(None, threads or 1, max_memory)
     return sharing(jobs, threads, max_memory)
+
+
+def _check_files(
+    cells: Sequence[Cell],
+    output: str | os.PathLike[str] | None,
+    log_file: str | os.PathLike[str] | None,
+) -> None:
+    """Refuse outputs that would replace what they must not, or cannot be written."""
+    heights = {c.surface.file for c in cells if isinstance(c.surface, FileSurface)}
+    if output is not None:
+        check_output(output, RESULTS, heights)
+    if log_file is not None:
+        check_output(log_file, LOG, heights if output is None else {*heights, output})
+
+
+def _check_former(folder: RunFolder, spec: Spec, *, force: bool) -> str:
+    """Refuse to replace the results of another spec, or return what is to be said of it.
+
+    Results of the same name that the run directory stands behind are those of the same spec
+    before it was changed; there it is enough to say so.
+    """
+    found = whose(folder.results)
+    if found is None or found[1] == spec.sha256 or force:
+        return ""
+    name, sha256 = found
+    # It names this spec already where a run was killed just before its last step.
+    behind = folder.provenance().get("spec_sha256") in (sha256, spec.sha256)
+    if behind and name == spec.name:
+        return (
+            f"{folder.results} has the results of {name} before its spec was changed; they "
+            "are replaced when all is computed (-o with another name keeps them)"
+        )
+    whose_results = f"of another spec, {name}" if name != spec.name else f"of another {name}"
+    raise StoreError(
+        f"{folder.results} has the results {whose_results} (sha256 {sha256[:12]}, not "
+        f"{spec.sha256[:12]}); choose another file with -o, move it away, or replace it "
+        "with --force"
+    )
 
 
 def _take_stock(
@@ -277,7 +326,7 @@ def _publish(
         before = folder.results.read_bytes()
     if data != before:
         folder.write_provenance(provenance(data, spec, stocks, command))
-        commit(data, folder.results)
+        write_output(data, folder.results, RESULTS)
         log.info("wrote %s", folder.results)
     else:
         log.info("%s is up to date", folder.results)

@@ -1,6 +1,7 @@
 """The run directory beside a results file: durable shards, and a lock for one run at a time.
 
 ``quick.h5.rbrun/``
+    ``README.txt``       that it is a run directory
     ``lock``             who works in it
     ``run.log``          what happened, of all runs
     ``run.json``         what the last run was asked for
@@ -32,14 +33,15 @@ from typing import IO, Any
 
 import numpy as np
 
-from roughbench.errors import LockedError, StoreError
+from roughbench.errors import LockedError, StoreError, explained
 from roughbench.locks import open_lock, try_lock
 from roughbench.models.base import FloatArray
-from roughbench.publish import commit, remove_leftovers
+from roughbench.publish import commit, remove_leftovers, temporary_of
 from roughbench.runner.checkpoint import Checkpoint
 from roughbench.runner.compute import Block
 from roughbench.runner.identity import Identity, key_of
 from roughbench.runner.journal import log
+from roughbench.runner.mark import mark
 from roughbench.runner.plan import Task
 from roughbench.runner.usage import Usage, now
 from roughbench.variables import STORABLE, fits
@@ -136,17 +138,18 @@ class RunFolder:
         LockedError
             If another run is in it; says which and where.
         StoreError
-            If it cannot be made or written.
+            If it cannot be made or written, or is a folder of somebody else.
         """
         try:
             file = self._lock()
             self._write_holder(file, command)
             for folder in (self._shards, self._checkpoints):
                 folder.mkdir(exist_ok=True)
+            with contextlib.suppress(FileNotFoundError):  # too long a path is told now
+                temporary_of(self._shards / ("0" * 20) / _shard_name(0, 0, "0" * 16)).stat()
         except OSError as error:
             raise StoreError(
-                f"cannot write {self.path}: {error.strerror or error}; choose another place "
-                "with -o, or make room and permission there"
+                f"cannot write {self.path}: {explained(error, 'choose another place with -o')}"
             ) from error
         try:
             self._remove_leftovers()
@@ -158,6 +161,7 @@ class RunFolder:
 
     def _lock(self) -> IO[str]:
         self.path.mkdir(exist_ok=True)
+        mark(self.path)
         path = self.path / "lock"
         for attempt in range(_TRIES):
             time.sleep(_PAUSE * (attempt > 0))
@@ -259,9 +263,8 @@ class RunFolder:
         try:
             folder.mkdir(exist_ok=True)
         except OSError as error:
-            raise StoreError(f"cannot write {folder}: {error.strerror}") from error
-        name = f"{first:06d}-{stop - 1:06d}.{_digest(data)}.npz"
-        return commit(data, folder / name)
+            raise StoreError(f"cannot write {folder}: {explained(error)}") from error
+        return commit(data, folder / _shard_name(first, stop - 1, _digest(data)))
 
     def read(self, path: Path) -> Shard:
         """Return a shard.
@@ -274,7 +277,7 @@ class RunFolder:
         try:
             return _read(path)
         except OSError as error:
-            reason = f"cannot be read: {error.strerror or error}"
+            reason = f"cannot be read: {explained(error)}"
             raise ShardError(path, reason) from error
         except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
             raise ShardError(path, error) from error
@@ -286,7 +289,7 @@ class RunFolder:
             path.replace(self._set_aside / f"{path.parent.name}-{path.name}")
         except OSError as error:
             raise StoreError(
-                f"cannot set {path} aside: {error.strerror}; remove it by hand"
+                f"cannot set {path} aside: {explained(error, 'remove it by hand')}"
             ) from error
 
     def forget(self, key: str) -> None:
@@ -348,6 +351,10 @@ def _entries(folder: Path) -> list[Path]:
         return list(folder.iterdir())
     except OSError:
         return []
+
+
+def _shard_name(first: int, last: int, digest: str) -> str:
+    return f"{first:06d}-{last:06d}.{digest}.npz"
 
 
 def _digest(data: bytes) -> str:

@@ -9,14 +9,16 @@ from pathlib import Path
 from typing import Any
 
 from roughbench.errors import RoughbenchError, StoreError
+from roughbench.program import command, program
 from roughbench.runner.folder import SUFFIX, RunFolder, ShardError
+from roughbench.runner.mark import check_marked
 from roughbench.runner.only import select
 from roughbench.runner.overview import Part, overview
 from roughbench.runner.plan import check, plan
 from roughbench.runner.resources import Sharing, sharing
 from roughbench.runner.survey import Stock, survey
 from roughbench.spec import Spec, load_spec
-from roughbench.store import load
+from roughbench.store import load, whose
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,9 +84,19 @@ def find(path: str | os.PathLike[str]) -> RunFolder:
         results = given
     folder = RunFolder(results)
     if not folder.path.is_dir():
+        if whose(given) is not None:
+            raise RoughbenchError(
+                f"{given} has results, but the run directory that they came from, "
+                f"{folder.path}, is not there; see them with: {command('show', given)}"
+            )
+        if given.is_file():
+            raise RoughbenchError(
+                f"{given} is no results file, run directory or spec; give the results file of "
+                "a run (-o)"
+            )
         raise RoughbenchError(
             f"{folder.path}: no such run directory; give the results file of a run (-o), or "
-            "start one with: roughbench run SPEC.yaml"
+            f"start one with: {program()} run SPEC.yaml"
         )
     return folder
 
@@ -165,13 +177,16 @@ def clean(path: str | os.PathLike[str], *, unused: bool = False) -> int:
     LockedError
         If a run is in it.
     RoughbenchError
-        If there is no run there.
+        If there is no run there, or a folder that is no run directory.
     """
     folder = find(path)
+    check_marked(folder.path)
     with folder.locked("roughbench clean"):
         before = folder.size()
         if not unused:
-            shutil.rmtree(folder.path)
+            shutil.rmtree(folder.path.resolve())
+            if folder.path.is_symlink():
+                folder.path.unlink()
             return before
         _, stocks = _stocks(folder, folder.request())
         needed = {stock.key for stock in stocks}

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from roughbench.errors import StoreError
+from roughbench.errors import StoreError, explained
 from roughbench.models.base import Status
+from roughbench.outputs import Kind
 from roughbench.runner.compute import Block
 from roughbench.runner.plan import Task
 from roughbench.runner.usage import Usage
@@ -19,6 +21,10 @@ log = logging.getLogger("roughbench.run")
 """INFO: a line per task. DEBUG: a line per state."""
 
 _FORMAT = "%(asctime)s %(levelname)s %(message)s"
+_LINE = re.compile(rb"\d{4}-\d\d-\d\d \d\d:\d\d:\d\d,\d{3} [A-Z]+ ")
+
+LOG = Kind("log", lambda head, _: _LINE.match(head) is not None)
+"""What a log may be appended to."""
 _CERTIFICATE = ("complementarity", "penetration", "load_error", "iterations", "transform_pairs")
 
 
@@ -46,7 +52,8 @@ def logged_to(paths: Sequence[Path]) -> Iterator[None]:
                 handlers.append(_File(path, encoding="utf-8"))
             except OSError as error:
                 raise StoreError(
-                    f"cannot write the log {path}: {error.strerror}; choose another --log-file"
+                    f"cannot write the log {path}: "
+                    f"{explained(error, 'choose another --log-file')}"
                 ) from error
         for handler in handlers:
             handler.setFormatter(logging.Formatter(_FORMAT))

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from roughbench.errors import RoughbenchError
 from roughbench.runner.plan import Cell, Task
 from roughbench.runner.survey import Stock
+from roughbench.text import on_one_line, suggestion
 
 
 def label_of(task: Task) -> str:
@@ -25,7 +26,8 @@ def select(stocks: Sequence[Stock], only: Sequence[str], *, parts: int) -> list[
     ----------
     stocks : sequence of Stock
     only : sequence of str
-        ``main/bem``, ``main/bem:4`` or ``main/bem:4-7`` each; empty: everything.
+        ``main/bem``, ``main/bem:4`` or ``main/bem:4-7`` each; ``bem`` alone means that of
+        every experiment. Empty: everything.
     parts : int
         Into how many tasks at least to cut each model's realizations, if they are long.
 
@@ -38,8 +40,8 @@ def select(stocks: Sequence[Stock], only: Sequence[str], *, parts: int) -> list[
         return [task for stock in stocks for task in stock.tasks(parts)]
     wanted: dict[Cell, set[int]] = {}
     for name in only:
-        cell, realizations = _parse(name, [stock.cell for stock in stocks])
-        wanted.setdefault(cell, set()).update(realizations)
+        for cell, realizations in _parse(name, [stock.cell for stock in stocks]):
+            wanted.setdefault(cell, set()).update(realizations)
     return [
         task
         for stock in stocks
@@ -48,19 +50,27 @@ def select(stocks: Sequence[Stock], only: Sequence[str], *, parts: int) -> list[
     ]
 
 
-def _parse(name: str, cells: Sequence[Cell]) -> tuple[Cell, range]:
+def _parse(name: str, cells: Sequence[Cell]) -> list[tuple[Cell, range]]:
     label, _, numbers = name.partition(":")
-    cell = next((cell for cell in cells if str(cell) == label), None)
-    if cell is None:
-        known = ", ".join(str(cell) for cell in cells)
-        raise RoughbenchError(f"--only {name}: no such model here; there are {known}")
+    found = [cell for cell in cells if label in (str(cell), cell.model.name)]
+    if not found:
+        known = [str(cell) for cell in cells]
+        near = suggestion(label, [*known, *dict.fromkeys(cell.model.name for cell in cells)])
+        hint = f"did you mean {near}? There are" if near else "there are"
+        raise RoughbenchError(
+            f"--only {on_one_line(name)}: no such model here; {hint} {', '.join(known)}"
+        )
+    return [_realizations(name, cell, numbers) for cell in found]
+
+
+def _realizations(name: str, cell: Cell, numbers: str) -> tuple[Cell, range]:
     if not numbers:
         return cell, range(cell.n_realizations)
     found = re.fullmatch(r"(\d+)(?:-(\d+))?", numbers, re.ASCII)
     first, last = (int(found[1]), int(found[2] or found[1])) if found else (0, 0)
     if not 1 <= first <= last <= cell.n_realizations:
         raise RoughbenchError(
-            f"--only {name}: {label} has the realizations 1 to {cell.n_realizations}; write "
-            f"{label}:1 or {label}:1-{cell.n_realizations}"
+            f"--only {on_one_line(name)}: {cell} has the realizations 1 to "
+            f"{cell.n_realizations}; write {cell}:1 or {cell}:1-{cell.n_realizations}"
         )
     return cell, range(first - 1, last)

@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from roughbench.errors import SurfaceError
+from roughbench.errors import SurfaceError, explained
 from roughbench.models.base import Model
 from roughbench.models.persson import Persson
 from roughbench.spec.fields import SavedFields
 from roughbench.spec.pressures import is_among, nearest
 from roughbench.spec.surfaces import FileSurface, SelfAffineSurface
 from roughbench.spec.tree import Finding, KeyPath, lookup
+from roughbench.text import on_one_line
 
 # Options that choose a grid for generated heights; heights from a file have one.
 _GRID_OPTIONS = ("grid", "points", "springs", "undersampled")
@@ -149,12 +150,12 @@ def _grid_option(number: int, model: Model) -> KeyPath:
 
 
 def _file(tree: Any, surface: FileSurface, models: Numbered) -> Iterator[Finding]:
+    name = on_one_line(str(surface.file))
     try:
-        exists = surface.file.is_file()
-    except OSError:
-        exists = False
-    if not exists:
-        yield Finding(("surface", "path"), f"no such file: {surface.file}")
+        if not surface.file.is_file():
+            yield Finding(("surface", "path"), f"no such file: {name}")
+    except OSError as error:
+        yield Finding(("surface", "path"), f"cannot read {name}: {explained(error)}")
     if (lookup(tree, ("realizations",)) or 1) != 1:
         yield Finding(("realizations",), "heights from a file are one realization; remove this")
     kept = lookup(tree, ("save_fields", "realizations"))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,13 +10,15 @@ from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
-from roughbench.errors import Fault, SpecError
+from roughbench.errors import Fault, SpecError, explained
 from roughbench.models.base import Model
+from roughbench.program import command
 from roughbench.spec import sweep
 from roughbench.spec.checks import check_fit
 from roughbench.spec.fields import SavedFields
 from roughbench.spec.messages import translate, without_echoes
 from roughbench.spec.model import AnyModel, Spec
+from roughbench.spec.names import default_name
 from roughbench.spec.overrides import apply_overrides
 from roughbench.spec.pressures import PressureRange, Pressures, values_of
 from roughbench.spec.reading import MAX_CHARACTERS, Document, Place, read_yaml
@@ -26,16 +27,17 @@ from roughbench.spec.tree import (
     Finding,
     KeyPath,
     freeze,
-    on_one_line,
     plain,
     render,
-    suggestion,
 )
+from roughbench.text import on_one_line, suggestion
 
 _SURFACE: TypeAdapter[SelfAffineSurface | FileSurface] = TypeAdapter(Surface)
 _MODEL: TypeAdapter[Model] = TypeAdapter(AnyModel)
 _PRESSURES: TypeAdapter[PressureRange | tuple[float, ...]] = TypeAdapter(Pressures)
 _SAVED_FIELDS: TypeAdapter[SavedFields] = TypeAdapter(SavedFields)
+
+_HDF5 = b"\x89HDF\r\n\x1a\n"
 
 Source = str | os.PathLike[str] | Mapping[str, Any] | Spec
 
@@ -115,6 +117,9 @@ def _from_file(source: str | os.PathLike[str]) -> _Given:
     try:
         with path.open("rb") as stream:
             data = stream.read(4 * MAX_CHARACTERS + 1)
+        if data.startswith(_HDF5):
+            hint = f"if it has results, see them with: {command('show', path)}"
+            raise SpecError([Fault(f"is an HDF5 file, not a spec; {hint}", source=name)])
         text = data.decode("utf-8-sig")
     except FileNotFoundError:
         near = suggestion(path.name, _neighbours(path))
@@ -126,7 +131,7 @@ def _from_file(source: str | os.PathLike[str]) -> _Given:
         message = "is not UTF-8 text; save it as UTF-8"
         raise SpecError([Fault(message, "", line, column, name)]) from None
     except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
+        reason = explained(error) if isinstance(error, OSError) else str(error)
         raise SpecError([Fault(f"cannot be read: {reason}", source=name)]) from None
     return _Given(read_yaml(text), path.stem, path.parent, name, text)
 
@@ -155,7 +160,7 @@ def _build(given: _Given, overrides: Sequence[str]) -> Spec:
         raise SpecError(faults)
 
     tree, given.overrides, override_faults = apply_overrides(tree, overrides)
-    tree = {"name": _default_name(given.name), **tree}
+    tree = {"name": default_name(given.name), **tree}
     text = None if overrides else given.text
     spec, findings = _validate(tree, {"folder": given.folder, "text": text})
     findings += _validate_sweep(tree, findings, given.folder)
@@ -165,12 +170,6 @@ def _build(given: _Given, overrides: Sequence[str]) -> Spec:
     if faults or spec is None:
         raise SpecError(list(dict.fromkeys(faults)))
     return spec
-
-
-def _default_name(name: str) -> str:
-    """Name a spec without a name after its file, as far as its letters allow."""
-    safe = re.sub(r"[^A-Za-z0-9_.+-]", "_", name)[:100]
-    return safe if safe[:1].isalnum() else "spec"
 
 
 def _validate(tree: Any, context: Mapping[str, Any]) -> tuple[Spec | None, list[Finding]]:

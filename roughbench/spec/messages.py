@@ -14,7 +14,8 @@ from roughbench.models import MODELS
 from roughbench.spec.model import Spec
 from roughbench.spec.pressures import PressureRange
 from roughbench.spec.surfaces import FileSurface, SelfAffineSurface
-from roughbench.spec.tree import Finding, KeyPath, did_you_mean, lookup, show, suggestion
+from roughbench.spec.tree import Finding, KeyPath, did_you_mean, lookup, show
+from roughbench.text import suggestion
 
 SURFACES: dict[str, type[BaseModel]] = {"self-affine": SelfAffineSurface, "file": FileSurface}
 
@@ -56,19 +57,30 @@ def translate(error: ErrorDetails, tree: Any) -> Finding | None:
         return Finding(path, f"is missing{_description(path, tree)}", "parent")
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         return _wrong_form(path, error["input"])
-    return Finding(path, _value_message(error))
+    return Finding(path, _value_message(error, _most(path, tree)))
 
 
-def _value_message(error: ErrorDetails) -> str:
+def _most(path: KeyPath, tree: Any) -> int | None:
+    """Return the largest integer that may stand at ``path``, if there is one."""
+    entry = fields_at(path[:-1], tree).get(str(path[-1])) if path else None
+    bounds = [getattr(rule, "le", None) for rule in entry[1].metadata] if entry else []
+    return next((bound for bound in bounds if isinstance(bound, int)), None)
+
+
+def _value_message(error: ErrorDetails, most: int | None) -> str:
     kind, context = error["type"], error.get("ctx", {})
     got = error["input"]
     if kind in _BOUNDS:
         word, key = _BOUNDS[kind]
-        return f"must be {word} {context[key]:g}, got {show(got)}"
+        bound = context[key]
+        shown = str(bound) if isinstance(bound, int) else f"{bound:g}"
+        return f"must be {word} {shown}, got {show(got)}"
     if kind in _TYPES:
         return f"must be {_TYPES[kind]}, got {show(got)}"
     if kind == "int_type":
         whole = isinstance(got, float) and got.is_integer()
+        if whole and most is not None and got > most:
+            return f"must be at most {most}, got {show(got)}"
         return f"must be an integer, got {show(got)}" + (
             f" (write {int(got)})" if whole else ""
         )

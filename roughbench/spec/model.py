@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Union
 from pydantic import BaseModel, Discriminator, Field, PrivateAttr, Tag
 
 from roughbench.models import MODELS
-from roughbench.models.base import Model
+from roughbench.models.base import MOST_REALIZATIONS, Model
 from roughbench.spec import sweep
 from roughbench.spec.fields import Observables, SavedFields
 from roughbench.spec.pressures import Pressures, nearest, values_of
@@ -56,7 +56,9 @@ class Spec(BaseModel):
     given_pressures: Pressures = Field(
         alias="pressures", description="Pressures p/E*: a range, or a list."
     )
-    realizations: int = Field(default=1, ge=1, description="Surfaces in the ensemble.")
+    realizations: int = Field(
+        default=1, ge=1, le=MOST_REALIZATIONS, description="Surfaces in the ensemble."
+    )
     seed: int = Field(default=0, ge=0, description="Seed of the random phases.")
     models: tuple[AnyModel, ...] = Field(min_length=1, description="The contenders.")
     sweep: Mapping[str, tuple[Any, ...]] = Field(

@@ -7,7 +7,8 @@ from typing import Any
 
 from roughbench.errors import Fault
 from roughbench.spec.reading import read_yaml
-from roughbench.spec.tree import KeyPath, KeyPathError, assign, on_one_line, render, resolve
+from roughbench.spec.tree import KeyPath, KeyPathError, assign, render, resolve
+from roughbench.text import on_one_line
 
 
 def apply_overrides(

@@ -12,8 +12,9 @@ from typing import Any
 
 import yaml
 
-from roughbench.spec.tree import MAX_DEPTH, KeyPath, on_one_line
+from roughbench.spec.tree import MAX_DEPTH, KeyPath
 from roughbench.spec.yaml12 import Loader
+from roughbench.text import on_one_line, unsafe_character
 
 MAX_CHARACTERS = 256 * 1024
 """Longest text read as a spec; real ones have a few thousand characters."""
@@ -100,22 +101,30 @@ def read_yaml(text: str) -> Document:
         document.faults.append(StructureFault((), fault, Place(1, 1)))
         document.complete = False
         return document
+    unsafe = unsafe_character(text, allowed="\n\r\t")
+    if unsafe is not None:  # in comments too: the text goes into results and reports
+        position, what = unsafe
+        return _broken(document, text, position, f"holds {what}; remove it")
     try:
         reader = _Reader(document, Loader(text))
     except yaml.reader.ReaderError as error:
-        before = text[: error.position]
-        place = Place(before.count("\n") + 1, error.position - before.rfind("\n"))
-        document.faults.append(
-            StructureFault((), f"holds the control character {error.character:#06x}", place)
-        )
-        document.complete = False
-        return document
+        what = f"holds a character that YAML does not know, U+{error.character:04X}"
+        return _broken(document, text, error.position, what)
     try:
         reader.read()
     except _BreakOff:
         document.complete = False
     finally:
         reader.loader.dispose()
+    return document
+
+
+def _broken(document: Document, text: str, position: int, message: str) -> Document:
+    """Return a document of a text that cannot be read as YAML at all."""
+    before = text[:position]
+    place = Place(before.count("\n") + 1, position - before.rfind("\n"))
+    document.faults.append(StructureFault((), message, place))
+    document.complete = False
     return document
 
 
@@ -182,12 +191,11 @@ class _Reader:
     def _scalar(self, event: yaml.ScalarEvent, path: KeyPath) -> Any:
         try:
             value = self.loader.value(event)
-            if isinstance(value, str):
-                value.encode()
+            unsafe = unsafe_character(value) if isinstance(value, str) else None
+            if unsafe is not None:  # written as an escape, or over several lines
+                raise ValueError(f"holds {unsafe[1]}; remove it")
         except ValueError as error:
-            surrogates = isinstance(error, UnicodeEncodeError)
-            message = "is no valid Unicode text" if surrogates else str(error)
-            self._fault(path, message, event)
+            self._fault(path, str(error), event)
             self.document.refused.add(path)
             return None
         return value
@@ -225,6 +233,10 @@ class _Reader:
             return ""
         if not event.value.strip():
             self._fault(path, "a key is missing before ':'", event)
+            return ""
+        unsafe = unsafe_character(event.value)
+        if unsafe is not None:
+            self._fault(path, f"a key holds {unsafe[1]}; remove it", event)
             return ""
         self._refuse_extras(event, (*path, event.value))
         return str(event.value)

@@ -6,15 +6,16 @@ booleans and None. A key path such as ``models[0].gamma`` is a tuple in the code
 
 from __future__ import annotations
 
-import difflib
 import math
 import numbers
 import os
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+
+from roughbench.text import suggestion, unsafe_character
 
 KeyPath = tuple[str | int, ...]
 
@@ -62,21 +63,6 @@ def show(value: object) -> str:
         return {None: "null", True: "true", False: "false"}[value]
     text = ascii(value) if isinstance(value, str) and not value.isprintable() else repr(value)
     return text if len(text) <= 60 else text[:57] + "..."
-
-
-def on_one_line(text: str) -> str:
-    """Write a file name or an argument as it is, or escaped where it does not print."""
-    return text if text.isprintable() else text.encode("unicode_escape").decode()
-
-
-def suggestion(word: str, known: Iterable[str]) -> str | None:
-    """Return the known word that was probably meant, or None."""
-    known = list(known)
-    by_case = {entry.lower(): entry for entry in known}
-    if word.lower() in by_case:
-        return by_case[word.lower()]
-    close = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
-    return close[0] if close else None
 
 
 def did_you_mean(word: str, known: Sequence[str]) -> str:
@@ -184,9 +170,9 @@ def plain(value: object) -> tuple[Any, list[Finding]]:
             value = os.fspath(value)
         if isinstance(value, Mapping):
             findings.extend(
-                Finding(path, f"keys must be text, got {show(key)}")
+                Finding(path, f"keys must be text that prints, got {show(key)}")
                 for key in value
-                if not isinstance(key, str)
+                if not isinstance(key, str) or unsafe_character(key)
             )
             return {str(key): convert(entry, (*path, str(key))) for key, entry in value.items()}
         if isinstance(value, (list, tuple)):
@@ -194,8 +180,9 @@ def plain(value: object) -> tuple[Any, list[Finding]]:
         if value is None or isinstance(value, (bool, np.bool_)):
             return value if value is None else bool(value)
         if isinstance(value, str):
-            if any("\ud800" <= letter <= "\udfff" for letter in value):
-                findings.append(Finding(path, f"is no valid Unicode text, got {show(value)}"))
+            unsafe = unsafe_character(value)
+            if unsafe is not None:
+                findings.append(Finding(path, f"holds {unsafe[1]}; remove it"))
                 return ""
             return str(value)
         if isinstance(value, numbers.Integral) and abs(int(value)) < 2**63:

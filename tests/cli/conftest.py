@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import shlex
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -53,6 +55,16 @@ def invoke() -> Invoke:
         return CliRunner().invoke(main, [str(argument) for argument in arguments])
 
     return run
+
+
+@pytest.fixture
+def program() -> str:
+    """Return how hints of ``python -m roughbench`` call the program."""
+    found = shutil.which("roughbench")
+    ours = Path(sys.executable).with_name("roughbench")
+    if found and ours.exists() and Path(found).samefile(ours):
+        return "roughbench"
+    return f"{shlex.quote(sys.executable)} -m roughbench"
 
 
 @pytest.fixture

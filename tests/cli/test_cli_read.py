@@ -21,6 +21,7 @@ import roughbench as rb
 from roughbench.cli import COMMANDS
 from roughbench.cli.tables import as_text, to_json
 from roughbench.results import ModelResult, Results
+from roughbench.store import write_results
 
 Invoke = Callable[..., Result]
 Popen = subprocess.Popen[str]
@@ -155,6 +156,40 @@ def test_export_writes_one_file_a_model(results: Path, folder: Path, invoke: Inv
     assert len(states) == 60
     assert (states[4]["realization [1]"], states[4]["pressure [1]"]) == ("1", "0.001")
     assert float(states[4]["area [1]"]) == model["area"][1, 1]
+
+
+def test_every_table_has_its_own_file_in_the_folder(folder: Path, invoke: Invoke) -> None:
+    """Whatever the names in a results file are, which may be another one's."""
+    model = with_gaps()["main"]["bem"]
+    pairs = [
+        ("a", "b-c"),
+        ("a-b", "c"),  # the same to the eye
+        ("A", "B-C"),  # the same to some disks
+        ("a", "b-c-states"),
+        (".a", "b"),
+        ("..", "x"),
+        ("größe", "a b%"),
+        ("x" * 300, "one"),
+        ("x" * 300, "two"),
+    ]
+    experiments: dict[str, dict[str, ModelResult]] = {}
+    for number, (experiment, label) in enumerate(pairs):
+        pressure = model["pressure"] + number
+        variables = {**model.variables, "pressure": pressure}
+        own = ModelResult(label, "bem", "T", model.attributes, variables)
+        experiments.setdefault(experiment, {})[label] = own
+    write_results(Results(experiments, "", "", "n"), folder / "n.h5")
+    inside = {*folder.iterdir()}
+    done = invoke("export", "n.h5", "--csv", "tables", "--states")
+    assert done.exit_code == 0, done.stderr
+    assert {*folder.iterdir()} - inside == {folder / "tables"}
+    names = [Path(line).name for line in done.stdout.splitlines()]
+    assert len({name.casefold() for name in names}) == 2 * len(pairs)
+    assert {*names} == {path.name for path in (folder / "tables").iterdir()}
+    assert names[:2] == ["a-b-c.csv", "a-b-c-states.csv"]
+    assert "gr%C3%B6%C3%9Fe-a%20b%25.csv" in names
+    assert not any(name.startswith(".") or len(name) > 210 for name in names)
+    assert len({(folder / "tables" / name).read_text() for name in names}) == len(names)
 
 
 def test_observables_are_exported_and_drawn(folder: Path, invoke: Invoke) -> None:

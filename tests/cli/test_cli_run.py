@@ -78,11 +78,55 @@ def test_set_and_output(folder: Path, invoke: Invoke) -> None:
     assert (foundation.attributes["hurst"], foundation.n_realizations) == (0.8, 2)
 
 
-def test_an_existing_file_is_replaced(results: Path, invoke: Invoke) -> None:
+def test_results_before_a_change_of_the_spec_are_replaced_and_that_is_said(
+    results: Path, invoke: Invoke
+) -> None:
+    results = Path(results.name)
     before = results.read_bytes()
-    assert invoke("run", "small.yaml", "--set", "seed=8").exit_code == 0
+    assert invoke("run", "small.yaml", "-q").stderr == ""
+    done = invoke("run", "small.yaml", "--set", "seed=8", "-q")
+    assert done.exit_code == 0
+    assert done.stderr == (
+        "warning: small.h5 has the results of small before its spec was changed; they are "
+        "replaced when all is computed (-o with another name keeps them)\n"
+    )
     assert results.read_bytes() != before
     assert invoke("run", "small.yaml").exit_code == 0
+    assert results.read_bytes() == before
+
+
+def test_results_of_another_spec_are_replaced_by_force_only(
+    results: Path, folder: Path, invoke: Invoke
+) -> None:
+    before = results.read_bytes()
+    other = (folder / "small.yaml").read_text().replace("name: small", "name: other")
+    (folder / "other.yaml").write_text(other.replace("seed: 7", "seed: 8"))
+    command = ("run", "other.yaml", "-o", "small.h5")
+    for options in ((), ("-n",)):
+        done = invoke(*command, *options)
+        assert done.exit_code == 1
+        assert "small.h5 has the results of another spec, small (sha256" in done.stderr
+        assert "or replace it with --force" in done.stderr
+        assert results.read_bytes() == before
+    assert invoke(*command, "--force").exit_code == 0
+    assert rb.load("small.h5").name == "other"
+    # Without the run directory nothing stands behind results of the same name either.
+    assert invoke("clean", "small.h5").exit_code == 0
+    refused = invoke(*command, "--set", "seed=9")
+    assert refused.exit_code == 1
+    assert "has the results of another other (sha256" in refused.stderr
+    assert invoke(*command).exit_code == 0  # the same spec
+
+
+def test_a_run_that_was_killed_before_its_last_step_goes_on(
+    results: Path, folder: Path, invoke: Invoke
+) -> None:
+    old = results.read_bytes()
+    assert invoke("run", "small.yaml", "--set", "seed=8").exit_code == 0
+    results.write_bytes(old)  # provenance.json was written, the results were not
+    assert invoke("run", "small.yaml", "--set", "seed=8").exit_code == 0
+    assert results.read_bytes() != old
+    assert folder == results.parent
 
 
 def test_quiet_and_verbose(folder: Path, invoke: Invoke) -> None:
@@ -249,11 +293,15 @@ def test_unusable_heights_exit_2(folder: Path, invoke: Invoke) -> None:
         assert "error: main/foundation: plane.npy: its shape is (8, 8)" in done.stderr
 
 
-def test_a_bad_output_exits_1_at_once(folder: Path, invoke: Invoke) -> None:
-    done = invoke("run", "small.yaml", "-o", "missing/r.h5")
-    assert done.exit_code == 1
-    assert done.stderr.startswith("error: cannot write missing/r.h5: no such folder")
-    assert not (folder / "missing").exists()
+def test_the_folder_of_the_output_is_made(folder: Path, invoke: Invoke) -> None:
+    assert invoke("run", "small.yaml", "-o", "new/er/r.h5", "-n").exit_code == 0
+    assert not (folder / "new").exists()
+    done = invoke("run", "small.yaml", "-o", "new/er/r.h5")
+    assert (done.exit_code, done.stdout) == (0, "new/er/r.h5\n")
+    refused = invoke("run", "small.yaml", "-o", "small.yaml/r.h5")
+    assert refused.exit_code == 1
+    assert refused.stderr.startswith("error: cannot write small.yaml/r.h5: ")
+    assert "small.yaml is no folder; choose another place" in refused.stderr
 
 
 @pytest.mark.parametrize(
@@ -320,6 +368,7 @@ def test_a_signal_ends_it_cleanly(
     number: signal.Signals,
     code: int,
     told: str,
+    program: str,
 ) -> None:
     before = results.read_bytes()
     process = started(start, jobs)
@@ -331,11 +380,11 @@ def test_a_signal_ends_it_cleanly(
     assert (process.returncode, stdout) == (code, "")
     *_, first, second = stderr.splitlines()
     assert first == told
-    assert " of 300003 states are kept in small.h5.rbrun; resume: roughbench run" in second
+    assert f" of 300003 states are kept in small.h5.rbrun; resume: {program} run" in second
     assert "Traceback" not in stderr
     assert results.read_bytes() == before
     assert_no_process_left(process.pid)
-    again = shlex.split(second.partition("resume: roughbench ")[2])
+    again = shlex.split(second.partition(f"resume: {program} ")[2])
     assert again[:2] == ["run", "small.yaml"]
     planned = invoke(*again, "-n").stdout.splitlines()
     assert any(line.endswith(": done") for line in planned)
@@ -371,7 +420,7 @@ def test_a_terminal_that_is_closed_ends_it_cleanly(folder: Path, invoke: Invoke)
     assert any(line.endswith(": done") for line in planned)
 
 
-def test_a_full_disk_leaves_a_run_to_resume(folder: Path, invoke: Invoke) -> None:
+def test_a_full_disk_leaves_a_run_to_resume(folder: Path, invoke: Invoke, program: str) -> None:
     """Files may have 2 kB, as if the disk were full then: less than a shard."""
     command = f"ulimit -f 2; exec {sys.executable} -m roughbench run small.yaml"
     environment = os.environ | {"PYTHONPATH": str(Path(rb.__file__).parents[1])}
@@ -381,9 +430,9 @@ def test_a_full_disk_leaves_a_run_to_resume(folder: Path, invoke: Invoke) -> Non
     assert (done.returncode, done.stdout) == (3, "")
     first, second = done.stderr.splitlines()
     assert first.startswith("error: cannot write small.h5.rbrun/shards/")
-    assert "File too large; choose another place with -o, or make room" in first
+    assert "File too large; make room there, or choose another place with -o" in first
     assert first.endswith("main/foundation, realizations 1 to 20 of 20 is lost")
-    assert second == "run it again: roughbench run small.yaml"
+    assert second == f"run it again: {program} run small.yaml"
     assert not (folder / "small.h5").exists()
     assert not list(folder.rglob("*.tmp"))
     assert invoke("run", "small.yaml").exit_code == 0

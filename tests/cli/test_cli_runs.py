@@ -166,3 +166,34 @@ def test_too_little_memory_is_said_at_once(invoke: Invoke) -> None:
     assert done.exit_code == 1
     assert "needs about 0.3 GB, and all tasks together may take 0.1 GB" in done.stderr
     assert "allow more with --max-memory" in done.stderr
+
+
+def test_no_file_of_a_run_rewrites_the_terminal(results: Path, invoke: Invoke) -> None:
+    """Its files, and their names, may be another one's."""
+    results = Path(results.name)
+    run = results.with_name("small.h5.rbrun")
+    evil = "\x1b[2J\u202e\nerror: you lost"
+    request = json.loads((run / "run.json").read_text())
+    (run / "run.json").write_text(json.dumps(request | {"command": evil}))
+    shard = shard_of(results)
+    shard.rename(shard.with_name(f"{evil.replace('/', '')}.npz"))
+    told = []
+    for command in (
+        ("status", results),
+        ("verify", results),
+        ("run", "small.yaml", "-n"),
+        ("run", "small.yaml", "-v"),
+    ):
+        done = invoke(*command)
+        told.append(done.stdout + done.stderr)
+    for text in told:
+        assert not {"\x1b", "\u202e"} & set(text)
+    for text in told[:3]:
+        assert not any(line.startswith("error: you lost") for line in text.splitlines())
+    assert "resume: \\x1b[2J\\u202e\\nerror: you lost" in told[0]
+    assert "is no shard of roughbench" in told[1]
+    (run / "lock").write_text("")
+    with RunFolder(results).locked(evil):
+        refused = invoke("run", "small.yaml")
+    assert refused.exit_code == 75
+    assert not {"\x1b", "\u202e"} & set(refused.stderr)

@@ -170,9 +170,9 @@ def test_an_unknown_figure_names_the_known_ones(computed: Results, tmp_path: Pat
 
 def test_a_folder_that_cannot_be_made_is_an_error(computed: Results, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    with pytest.raises(rb.StoreError, match=r"cannot make the folder .*; choose another"):
+    with pytest.raises(rb.StoreError, match=r"file is no folder; choose another place"):
         figures.render(computed, "area", tmp_path / "file")
-    with pytest.raises(rb.StoreError, match=r"cannot make the folder .*; choose another"):
+    with pytest.raises(rb.StoreError, match=r"file is no folder; choose another place"):
         figures.render(computed, "area", tmp_path / "file" / "below")
 
 

@@ -181,11 +181,24 @@ def test_a_text_that_breaks_off_tells_only_where(valid: str, faults_of: FaultsOf
 def test_values_are_shown_short_and_on_one_line(valid: str, faults_of: FaultsOf) -> None:
     [fault] = faults_of(valid.replace("H: 0.7", f'H: "{"x" * 500}"'))
     assert fault == f"bad.yaml:3:6: error: surface.H: must be a number, got '{'x' * 56}..."
-    [fault] = faults_of(valid.replace("H: 0.7", r'H: "a\nb"'))
-    assert fault == r"bad.yaml:3:6: error: surface.H: must be a number, got 'a\nb'"
-    [fault] = faults_of(valid.replace("  H: 0.7", '  H: 0.7\n  "a\\nb": 1'))
+    [fault] = faults_of(valid.replace("H: 0.7", r'H: "a\u200bb"'))
+    assert fault == r"bad.yaml:3:6: error: surface.H: must be a number, got 'a\u200bb'"
+    [fault] = faults_of(valid.replace("  H: 0.7", '  H: 0.7\n  "a\\u200bb": 1'))
     assert fault.startswith(
-        r"bad.yaml:4:3: error: surface.'a\nb': unknown key; known here: kind"
+        r"bad.yaml:4:3: error: surface.'a\u200bb': unknown key; known here: kind"
+    )
+
+
+@pytest.mark.parametrize("letter", ["\x1b", "\x85", "\u2028", "\u202e", "\u2066"])
+def test_not_even_a_comment_rewrites_the_terminal(
+    valid: str, faults_of: FaultsOf, letter: str
+) -> None:
+    """The text of a spec stands in its results, in reports, and in what `show` prints."""
+    [fault] = faults_of(valid.replace("seed: 2013", f"seed: 2013  # a{letter}b"))
+    assert fault.startswith("bad.yaml:10:16: error: holds the ")
+    assert fault.endswith(f"U+{ord(letter):04X}; remove it")
+    assert faults_of(valid.replace("seed: 2013", "seed: x  # grüße\u00a0ξ\u200d\t"))[0] == (
+        "bad.yaml:10:7: error: seed: must be an integer, got 'x'"
     )
 
 
@@ -228,7 +241,8 @@ def test_an_override_and_a_faulty_sweep(valid: str, faults_of: FaultsOf) -> None
 
 def test_a_file_name_that_no_system_takes(faults_of: FaultsOf) -> None:
     [fault] = faults_of(FILE.replace("heights", "h" * 5000))
-    assert fault.startswith("bad.yaml:1:29: error: surface.path: no such file: hhh")
+    assert fault.startswith("bad.yaml:1:29: error: surface.path: cannot read hhh")
+    assert fault.endswith("hhh.npy: File name too long; choose a shorter name")
 
 
 def test_faults_of_file_and_overrides_come_together(valid: str, faults_of: FaultsOf) -> None:
@@ -263,7 +277,7 @@ class TestFilesThatCannotBeRead:
     def test_no_file_name(self) -> None:
         assert self.told("a\0b") == [r"a\x00b: error: cannot be read: embedded null byte"]
         [fault] = self.told("a" * 5000)
-        assert fault.endswith("cannot be read: File name too long")
+        assert fault.endswith("cannot be read: File name too long; choose a shorter name")
 
     def test_no_utf8(self, tmp_path: Path) -> None:
         path = tmp_path / "latin1.yaml"
@@ -288,15 +302,17 @@ class TestFaultsOfMappings:
             {
                 "surface": {"H": float("nan"), "q0": object()},
                 "pressures": [10**30, np.inf],
-                "models": {1: "\ud800"},
+                "models": {1: "\ud800", "a\nb": "\u202e"},
             }
         ) == [
             "spec: error: surface.H: must be a finite number, got nan",
             "spec: error: surface.q0: a spec cannot hold a Python object",
             "spec: error: pressures[0]: must be an integer below 2**63",
             "spec: error: pressures[1]: must be a finite number, got inf",
-            "spec: error: models: keys must be text, got 1",
-            "spec: error: models.1: is no valid Unicode text, got '\\ud800'",
+            "spec: error: models: keys must be text that prints, got 1",
+            "spec: error: models: keys must be text that prints, got 'a\\nb'",
+            "spec: error: models.1: holds the half character U+D800; remove it",
+            "spec: error: models.'a\\nb': holds the bidirectional mark U+202E; remove it",
         ]
 
     def test_a_mapping_without_end(self) -> None:
