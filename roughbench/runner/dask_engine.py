@@ -20,6 +20,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
 
 from roughbench.errors import IncompleteError, RoughbenchError
 from roughbench.runner.checkpoint import Checkpoint
@@ -29,7 +30,7 @@ from roughbench.runner.engine import CheckpointOf, Listener, Outcome, carry_out
 from roughbench.runner.identity import code_digest, observing_digest
 from roughbench.runner.plan import Task
 from roughbench.runner.resources import memory_of
-from roughbench.runner.slurm import INSTALL, jobs_of_slurm
+from roughbench.runner.slurm import INSTALL, LOOPBACK, jobs_of_slurm
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -208,7 +209,8 @@ def _client(
                 )
             )
             if cluster.dashboard:
-                listener.said(f"Dask's dashboard: {where.dashboard_link}")
+                port = urlsplit(where.dashboard_link).port
+                listener.said(f"Dask's dashboard: http://{LOOPBACK}:{port}/status")
         else:
             where = cluster.address()
             _knock(where, cluster)

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 INSTALL = "install it with: pip install 'roughbench[dask]'"
 LOOPBACK = "127.0.0.1"
-_DASHBOARD_PORT = 8787
 
 
 @contextlib.contextmanager
@@ -67,7 +66,6 @@ def jobs_of_slurm(
     import dask
 
     refusals: list[str] = []
-    port = _DASHBOARD_PORT if cluster.dashboard else 0
     pages: dict[str, Any] = {}
     if not cluster.dashboard:
         pages["distributed.scheduler.http.routes"] = []
@@ -82,7 +80,7 @@ def jobs_of_slurm(
         "silence_logs": "critical",
         "scheduler_options": {
             "dashboard": cluster.dashboard,
-            "dashboard_address": f"{LOOPBACK}:{port}",
+            "dashboard_address": f"{LOOPBACK}:0",
         },
         "worker_extra_args": [
             *("--nthreads", "1", "--resources", f"{resource}={gigabytes}"),

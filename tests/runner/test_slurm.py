@@ -137,7 +137,7 @@ def test_who_has_no_certificate_is_refused(slurm_folder: Path, tmp_path: Path) -
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("slurm_folder")
-def test_the_dashboard_is_on_the_loopback() -> None:
+def test_the_dashboard_is_on_the_loopback(caplog: pytest.LogCaptureFixture) -> None:
     import psutil
 
     seen: list[bytes] = []
@@ -154,6 +154,7 @@ def test_the_dashboard_is_on_the_loopback() -> None:
 
     rb.run(SPEC, cluster=Cluster("slurm", dashboard=True), progress=look)
     assert any(b"200 OK" in answer for answer in seen)
+    assert re.search(r"Dask's dashboard: http://127\.0\.0\.1:\d+/status", caplog.text)
 
 
 def test_jobs_that_are_refused(slurm_folder: Path) -> None:
