@@ -100,13 +100,15 @@ def _check_layout(shape: tuple[int, ...] | None, dtype: np.dtype[Any], name: str
         raise SurfaceError(
             f"{name}: heights need at least {_FEWEST} points per side, got the shape {shape}"
         )
+
+
+def _check_memory(shape: tuple[int, ...], dtype: np.dtype[Any], name: str) -> None:
+    """Refuse what would not fit into memory, as it is in the file and in float64."""
     n_points, per_point = math.prod(shape), dtype.itemsize + 8
     memory.check(
         per_point * n_points,
         f"{name}: to read {n_points} heights takes {memory.gigabytes(per_point * n_points)}",
-        lambda room: (
-            f"{room // (dtype.itemsize + 8)} would fit: take a coarser or smaller part"
-        ),
+        lambda room: f"{room // per_point} would fit: take a coarser or smaller part",
         SurfaceError,
     )
 
@@ -151,6 +153,7 @@ def _check_npy(file: IO[bytes], name: str) -> None:
     wanted = math.prod(shape) * dtype.itemsize
     if wanted > held:
         raise ValueError(f"cut short: {shape} numbers take {wanted} bytes, it has {held}")
+    _check_memory(shape, dtype, name)
     file.seek(0)
 
 
@@ -171,6 +174,7 @@ def _load_hdf5(path: Path, dataset: str, name: str) -> NDArray[Any]:
             )
         _check_layout(found.shape, found.dtype, name)
         _check_stored(found, name)
+        _check_memory(found.shape, found.dtype, name)
         try:
             heights: NDArray[Any] = found[()]
         except (OSError, MemoryError) as error:
