@@ -42,7 +42,9 @@ _HDF5 = b"\x89HDF\r\n\x1a\n"
 _SEAL = b"\nroughbench-sha256:"
 _SEAL_LENGTH = len(_SEAL) + 65
 
-_ATTRIBUTES = (b"format_version", b"spec_sha256", FORMAT.encode())
+_ATTRIBUTES = (b"format_version", b"spec_sha256")
+_BEFORE_ATTRIBUTES = 512
+"""Bytes at the beginning that hold nothing of anybody."""
 _REQUIRED = ("pressure", "status")
 _LONGEST_NAME = 1000
 """Characters; a sweep of many keys has long names."""
@@ -95,6 +97,8 @@ def load(path: str | os.PathLike[str]) -> Results:
     try:
         if source.is_dir():
             raise StoreError(f"{source}: is a folder; give the results file in it")
+        if source.exists() and not source.is_file():  # to open a pipe is to wait
+            raise StoreError(f"{source}: is no regular file; give a results file")
         with source.open("rb"):
             pass
     except FileNotFoundError:
@@ -116,6 +120,8 @@ def whose(path: str | os.PathLike[str]) -> tuple[str, str] | None:
     """
     source = Path(path)
     try:
+        if not source.is_file():
+            return None
         _check_seal(source)
         with h5py.File(source, "r") as file:
             budget = _Budget(source)
@@ -135,7 +141,13 @@ def _is_results(head: bytes, tail: bytes) -> bool:
     return head.startswith(_HDF5) and all(word in head for word in _ATTRIBUTES)
 
 
+def _is_stump(head: bytes) -> bool:
+    return head.startswith(_HDF5) and len(head) < _BEFORE_ATTRIBUTES
+
+
 RESULTS = Kind("results file", _is_results)
+RESULTS_OR_STUMP = Kind("results file", lambda h, t: _is_results(h, t) or _is_stump(h))
+"""What a run directory lets be replaced that knows of results: also their first bytes."""
 
 
 def image(results: Results) -> bytes:

@@ -237,19 +237,26 @@ def test_a_file_that_appears_during_the_run_stays(
     assert (folder / "new.h5").read_text() == "a thesis"
 
 
-@pytest.mark.parametrize("damage", ["cut", "head", "tail", "middle"])
-def test_a_damaged_results_file_is_still_ours(folder: Path, damage: str) -> None:
+@pytest.mark.parametrize("damage", ["cut", "head", "tail", "middle", 10, 100, 400, 1000])
+def test_a_damaged_results_file_is_still_ours(folder: Path, damage: str | int) -> None:
     path = folder / "small.h5"
     whole = path.read_bytes()
     data = bytearray(whole)
     if damage == "cut":
         del data[-500:]
+    elif isinstance(damage, int):
+        del data[damage:]
     else:
         place = {"head": 0, "middle": len(data) // 2, "tail": len(data) - 60}[damage]
         data[place : place + 50] = bytes(50)
     path.write_bytes(data)
     assert invoke("run", "small.yaml").exit_code == 0
     assert path.read_bytes() == whole
+    if isinstance(damage, int) and damage <= 100:  # nothing says whose it was
+        path.rename(folder / "other.h5").write_bytes(data)
+        done = invoke("run", "small.yaml", "-o", "other.h5")
+        assert done.exit_code == 1
+        assert (folder / "other.h5").read_bytes() == data
 
 
 @pytest.mark.parametrize("length", [246, 249])

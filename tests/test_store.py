@@ -278,6 +278,10 @@ def test_refuses_what_is_no_results_file(tmp_path: Path) -> None:
         load(tmp_path / "missing.h5")
     with pytest.raises(StoreError, match="is a folder"):
         load(tmp_path)
+    os.mkfifo(tmp_path / "pipe.h5")  # to open it would wait for ever
+    with pytest.raises(StoreError, match="is no regular file"):
+        load(tmp_path / "pipe.h5")
+    assert store.whose(tmp_path / "pipe.h5") is None
     text = tmp_path / "text.h5"
     text.write_text("not HDF5")
     with pytest.raises(StoreError, match="not an HDF5 file"):

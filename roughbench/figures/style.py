@@ -154,9 +154,11 @@ def save(figure: Figure, name: str, folder: Path, source: str = "") -> list[Path
 
 def source_of(path: Path) -> str:
     """Return the name of the results file that a PNG was drawn of; empty if it says none."""
-    with contextlib.suppress(OSError), path.open("rb") as file:
-        found = _PNG.search(file.read(ENDS))
-        return urllib.parse.unquote((found[1] or b"").decode("latin-1")) if found else ""
+    with contextlib.suppress(OSError):
+        if path.is_file():  # to open a pipe is to wait
+            with path.open("rb") as file:
+                found = _PNG.search(file.read(ENDS))
+            return urllib.parse.unquote((found[1] or b"").decode("latin-1")) if found else ""
     return ""
 
 

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from roughbench.errors import IncompleteError, RoughbenchError, StoreError
-from roughbench.outputs import check_output, write_output
+from roughbench.outputs import Kind, check_output, write_output
 from roughbench.publish import make_folder
 from roughbench.results import ModelResult, Results
 from roughbench.runner.assemble import assemble
@@ -33,7 +33,7 @@ from roughbench.runner.resources import Sharing, check_memory, sharing
 from roughbench.runner.speed import Speeds
 from roughbench.runner.survey import Stock, survey
 from roughbench.spec import FileSurface, Source, Spec, load_spec
-from roughbench.store import RESULTS, image, whose
+from roughbench.store import RESULTS, RESULTS_OR_STUMP, image, whose
 
 
 def run(
@@ -219,33 +219,34 @@ def _check_files(
     """Refuse outputs that would replace what they must not, or cannot be written."""
     heights = {c.surface.file for c in cells if isinstance(c.surface, FileSurface)}
     if output is not None:
-        check_output(output, RESULTS, heights)
+        check_output(output, _kind(RunFolder(output)), heights)
     if log_file is not None:
         check_output(log_file, LOG, heights if output is None else {*heights, output})
+
+
+def _kind(folder: RunFolder) -> Kind:
+    """Results that were written here are known by less, should they be damaged."""
+    return RESULTS_OR_STUMP if folder.provenance() else RESULTS
 
 
 def _check_former(folder: RunFolder, spec: Spec, *, force: bool) -> str:
     """Refuse to replace the results of another spec, or return what is to be said of it.
 
-    Results of the same name that the run directory stands behind are those of the same spec
-    before it was changed; there it is enough to say so.
+    Results of the same name are those of the same spec before it was changed; there it is
+    enough to say so.
     """
     found = whose(folder.results)
     if found is None or found[1] == spec.sha256 or force:
         return ""
-    name, sha256 = found
-    # It names this spec already where a run was killed just before its last step.
-    behind = folder.provenance().get("spec_sha256") in (sha256, spec.sha256)
-    if behind and name == spec.name:
+    name = found[0]
+    if name == spec.name:
         return (
             f"{folder.results} has the results of {name} before its spec was changed; they "
             "are replaced when all is computed (-o with another name keeps them)"
         )
-    whose_results = f"of another spec, {name}" if name != spec.name else f"of another {name}"
     raise StoreError(
-        f"{folder.results} has the results {whose_results} (sha256 {sha256[:12]}, not "
-        f"{spec.sha256[:12]}); choose another file with -o, move it away, or replace it "
-        "with --force"
+        f"{folder.results} has the results of another spec, {name}; choose another file with "
+        "-o, move it away, or replace it with --force"
     )
 
 
@@ -320,13 +321,13 @@ def _results(spec: Spec, stocks: Sequence[Stock]) -> Results:
 def _publish(
     results: Results, folder: RunFolder, spec: Spec, stocks: Sequence[Stock], command: str
 ) -> None:
-    data = image(results)
+    data, kind = image(results), _kind(folder)
     before = None
     with contextlib.suppress(OSError):
         before = folder.results.read_bytes()
     if data != before:
         folder.write_provenance(provenance(data, spec, stocks, command))
-        write_output(data, folder.results, RESULTS)
+        write_output(data, folder.results, kind)
         log.info("wrote %s", folder.results)
     else:
         log.info("%s is up to date", folder.results)

@@ -259,8 +259,8 @@ def test_refuses_a_bad_output_before_it_computes(
     small_spec: dict[str, Any], tmp_path: Path
 ) -> None:
     news: list[Progress] = []
-    with pytest.raises(rb.StoreError, match="no such folder"):
-        rb.run(small_spec, output=tmp_path / "missing" / "r.h5", progress=news.append)
+    with pytest.raises(rb.StoreError, match="it is a folder; give a file name in it"):
+        rb.run(small_spec, output=tmp_path, progress=news.append)
     assert news == []
 
 
