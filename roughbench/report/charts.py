@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from roughbench.report.looks import Look
 from roughbench.report.markup import escape
-from roughbench.report.sources import Source, experiment_html
+from roughbench.report.sources import Source
 from roughbench.results import ModelResult
 
 if TYPE_CHECKING:
@@ -137,7 +137,7 @@ def _band(line: Line, known: NDArray[np.bool_]) -> dict[str, list[float | None]]
 def curve_name(source: Source, experiment: str, result: ModelResult) -> str:
     """Return how a curve is called, in plotly's subset of HTML."""
     name = escape(result.label)
-    return name if len(source.results) == 1 else f"{name}, {experiment_html(experiment)}"
+    return name if len(source.results) == 1 else f"{name}, {source.experiment(experiment)}"
 
 
 def figure_of(

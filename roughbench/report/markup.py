@@ -8,7 +8,14 @@ import re
 from collections.abc import Iterable, Sequence
 
 _SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
-_MATH = {r"\xi": "ξ", r"\gamma": "γ", r"\bar u": "ū", r"\mathrm{rms}": "rms", r"E\!^*": "E*"}
+_MATH = {
+    r"\xi": "ξ",
+    r"\gamma": "γ",
+    r"\bar u": "ū",
+    r"\mathrm{rms}": "rms",
+    r"E\!^*": "E*",
+    r"\times": "·",
+}
 _FOLDERS = re.compile(r"(?<![\w.~/\\])(?:~|[A-Za-z]:)?[/\\](?:[^\s/\\'\",:;{}\[\]]+[/\\])+")
 """Where an absolute path begins: its folders, up to the name of the file."""
 
@@ -64,6 +71,8 @@ def from_mathtext(text: str) -> str:
     --------
     >>> from_mathtext(r"Popov, $n = 5$"), from_mathtext("$q_r = 8$")
     ('Popov, n = 5', 'q<sub>r</sub> = 8')
+    >>> from_mathtext(r"$L = 2\times10^{-6}$")
+    'L = 2·10<sup>-6</sup>'
     """
     pieces = re.split(r"\$([^$]*)\$", text)
     return "".join(
@@ -74,7 +83,8 @@ def from_mathtext(text: str) -> str:
 def _formula(text: str) -> str:
     for name, letter in _MATH.items():
         text = text.replace(name, letter)
-    return re.sub(r"_(?:\{(\w+)\}|(\w+))", r"<sub>\1\2</sub>", escape(text))
+    text = re.sub(r"_(?:\{(\w+)\}|([a-z0-9]+))", r"<sub>\1\2</sub>", escape(text))
+    return re.sub(r"\^\{(-?\d+)\}", r"<sup>\1</sup>", text)
 
 
 def number(value: float, digits: int = 3) -> str:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from roughbench.figures.looks import PERSSON
 from roughbench.figures.observed import DECADES
 from roughbench.report.charts import (
     Chart,
@@ -21,7 +22,7 @@ from roughbench.report.charts import (
 )
 from roughbench.report.looks import Look, experiment_dashes
 from roughbench.report.markup import escape, number
-from roughbench.report.sources import Source, experiment_html
+from roughbench.report.sources import Source
 from roughbench.results import ModelResult
 
 FloatArray = NDArray[np.float64]
@@ -31,7 +32,7 @@ MOST_PRESSURES = 8
 MOST_MAPS = 12
 MOST_POINTS = 256
 """Points of a map per side; finer fields are averaged over squares."""
-_THEORY = Look("#777777", "circle")
+_THEORY = Look(PERSSON.colour, "circle")
 _WHITE_TO_DARK = [[0.0, "#ffffff"], [0.004, "#dce9c8"], [0.35, "#56b48a"], [1.0, "#1d2a5e"]]
 
 
@@ -233,7 +234,7 @@ def _map(
         figure.update_xaxes(constrain="domain")
     parts = [escape(result.label)]
     if len(source.results) > 1:
-        parts.append(experiment_html(experiment))
+        parts.append(source.experiment(experiment))
     if "field_nominal_pressure" in result:
         parts.append(f"p/E* = {number(float(result['field_nominal_pressure'][k]))}")
     if "field_realization" in result:

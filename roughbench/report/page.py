@@ -136,7 +136,7 @@ def _figures(place: int, source: Source, looks: dict[str, Look]) -> str:
 
 _OBSERVABLES = (
     "What the fields of a contact show beyond its averages, at the pressure chosen above; "
-    "dotted and grey, Persson’s theory."
+    "thin and dotted, Persson’s theory."
 )
 _MAPS = (
     "The pressure in single states, white out of contact; lines appear as stripes. Fields "

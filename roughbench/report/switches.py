@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from roughbench.report.looks import Look, dash_sample, experiment_dashes, model_sample
 from roughbench.report.markup import escape, muted, number
 from roughbench.report.observables import drawn_pressures, pressure_key
-from roughbench.report.sources import Source, experiment_html
+from roughbench.report.sources import Source
 
 MOST_CURVES = 8
 """Curves that a chart shows at first with all experiments; of more, the first experiment."""
@@ -29,7 +29,7 @@ def switches(source: Source, looks: dict[str, Look]) -> str:
                 "experiment",
                 name,
                 dash_sample(dash),
-                experiment_html(name),
+                source.experiment(name),
                 on=place == 0 or not many,
             )
             for place, (name, dash) in enumerate(dashes.items())

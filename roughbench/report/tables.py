@@ -19,7 +19,7 @@ from roughbench.report.markup import (
     with_error,
     without_folders,
 )
-from roughbench.report.sources import Source, experiment_html
+from roughbench.report.sources import Source
 from roughbench.report.warnings import is_random
 from roughbench.results import Attribute, ModelResult
 
@@ -72,7 +72,7 @@ def _file_name(path: Attribute) -> str:
 
 
 def _experiments(source: Source) -> str:
-    names = [experiment_html(name) for name in source.results]
+    names = [source.experiment(name) for name in source.results]
     return "; ".join(names)
 
 
@@ -122,7 +122,7 @@ def fit_tables(source: Source, fitted: Fits, reference: str | None) -> str:
     blocks = []
     for experiment, models in fitted.items():
         kept = dict(source.results[experiment])
-        title = f"{escape(source.name)}: {experiment_html(experiment)}"
+        title = f"{escape(source.name)}: {source.experiment(experiment)}"
         blocks.append(f"<h3>{title}</h3>")
         blocks += [_fit_table(fits) for fits in law_tables(models)]
         label = reference_of(kept, reference)
