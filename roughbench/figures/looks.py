@@ -122,7 +122,8 @@ def looks(results: Results) -> dict[str, Look]:
         group = kind if known else "others"
         number = count.get(group, 0)
         count[group] = number + 1
-        marker, dashes = "", ()
+        marker = ""
+        dashes: Dashes = ()
         if group == "bem":
             marker = _MARKERS[number % len(_MARKERS)]
         elif group in _KIND_DASHES:

@@ -2,9 +2,9 @@ r"""Fig. 2 of the paper: the spectrum C2D(q) with q0, qr and q1, and a realized 
 
 Lines are the spectra of the experiments, one shade each; if there is only one, and it has
 a roll-off, the spectrum of the same rms slope without it (qr = q0) is added, thin and grey.
-Circles are the periodogram of realization 0, averaged over all modes in a ring: of the exact solver's
-surface, :math:`(L/2\pi)^2\langle|h_q|^2\rangle`, or else of the foundation's line,
-:math:`L|h_q|^2/(2\pi\cdot\pi q)`, whose spectrum is :math:`\pi q C_{2D}`. With fixed
+Circles are the periodogram of realization 0, averaged over all modes in a ring: of the
+exact solver's surface, :math:`(L/2\pi)^2\langle|h_q|^2\rangle`, or else of the foundation's
+line, :math:`L|h_q|^2/(2\pi\cdot\pi q)`, whose spectrum is :math:`\pi q C_{2D}`. With fixed
 amplitudes each mode carries exactly its share, so that the circles lie on the line.
 """
 
