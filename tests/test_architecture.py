@@ -48,7 +48,6 @@ OWNERS = {
     "h5py": {"heights_file", "store"},
     "matplotlib": {"figures"},
     "numba": {"models"},
-    "plotly": {"report"},
     "pydantic": {"models", "spec"},
     "pydantic_core": {"spec"},
     "pyfftw": {"transform"},

@@ -20,6 +20,10 @@ _FOLDERS = re.compile(r"(?<![\w.~/\\])(?:~|[A-Za-z]:)?[/\\](?:[^\s/\\'\",:;{}\[\
 """Where an absolute path begins: its folders, up to the name of the file."""
 
 
+SCROLL_WORD = '<p class="more" aria-hidden="true">more to the right: scroll sideways →</p>'
+"""Beneath what is wider than the page; the styles show it only there."""
+
+
 def escape(text: object) -> str:
     """Return text as it may stand in HTML, within quotation marks too.
 
@@ -195,8 +199,9 @@ def table(
     kind = "numbers" if numeric else "words"
     title = f"<caption>{caption}</caption>" if caption else ""
     return (
-        f'<div class="scroll" tabindex="0"><table class="{kind}">{title}\n'
+        f'<div class="scrolls"><div class="scroll" tabindex="0"><table class="{kind}">{title}\n'
         f"<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody></table></div>"
+        f"{SCROLL_WORD}</div>"
     )
 
 

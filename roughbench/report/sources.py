@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from roughbench.errors import StoreError
-from roughbench.figures.words import experiment_label, smallest_wavevector
+from roughbench.figures.words import experiment_label, smallest_wavevector, titles
 from roughbench.report.markup import escape, from_mathtext
 from roughbench.results import ModelResult, Results
 from roughbench.store import load
@@ -34,6 +34,11 @@ class Source:
     def experiment(self, name: str) -> str:
         """Return how an experiment is called on the page, as HTML."""
         return experiment_html(name, smallest_wavevector(self.results, name))
+
+    def title(self, label: str) -> str:
+        """Return what a model is called on the page: its title, which tells it from others."""
+        found = {result.label: result for _, result in self.models()}
+        return titles(found)[label]
 
     def has(self, reference: str | None) -> str | None:
         """Return a label if all experiments have a model of this name, else None."""
@@ -97,6 +102,19 @@ def experiment_html(experiment: str, q_min: float | None = None) -> str:
     return from_mathtext(label).replace(" = ", "\xa0=\xa0") or "main"
 
 
+def full_places(sources: Sequence[Source]) -> dict[str, str]:
+    """Return what warnings call a model, always with its file → the same as HTML."""
+    return {
+        f"{source.name}: {experiment}/{result.label}": ", ".join(
+            [escape(source.name)]
+            + [source.experiment(experiment)] * (len(source.results) > 1)
+            + [escape(source.title(result.label))]
+        )
+        for source in sources
+        for experiment, result in source.models()
+    }
+
+
 def places(sources: Sequence[Source]) -> dict[str, str]:
     """Return what verdicts call a model, with and without its file → the same as HTML."""
     found = {}
@@ -104,7 +122,7 @@ def places(sources: Sequence[Source]) -> dict[str, str]:
         for experiment, result in source.models():
             words = [source.experiment(experiment)] * (len(source.results) > 1)
             words += [escape(source.name)] * (len(sources) > 1)
-            text = escape(result.label)
+            text = escape(source.title(result.label))
             if words:
                 text += f', <span class="muted">{", ".join(words)}</span>'
             name = f"{experiment}/{result.label}"
