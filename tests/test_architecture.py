@@ -53,7 +53,7 @@ OWNERS = {
     "pyfftw": {"transform"},
     "scipy": {"fits", "models", "observables"},
     "threadpoolctl": {"runner"},
-    "tqdm": {"cli"},
+    "tqdm": {"cli", "runner"},
     "yaml": {"spec"},
 }
 """Third-party package → the layers that may import it. NumPy is everybody's."""

@@ -12,6 +12,7 @@ from roughbench.errors import IncompleteError, RoughbenchError, StoreError
 from roughbench.publish import check_writable, commit
 from roughbench.results import ModelResult, Results
 from roughbench.runner.assemble import assemble
+from roughbench.runner.bar import reported
 from roughbench.runner.checkpoint import Checkpoint
 from roughbench.runner.cluster import Cluster, compute_on_cluster
 from roughbench.runner.engine import Outcome
@@ -36,7 +37,7 @@ def run(
     jobs: int | None = 1,
     threads: int | None = None,
     overrides: Sequence[str] = (),
-    progress: Report | None = None,
+    progress: Report | bool | None = None,
     force: bool = False,
     keep_going: bool = False,
     only: Sequence[str] = (),
@@ -63,8 +64,9 @@ def run(
         are the same to the bit for every ``jobs``.
     overrides : sequence of str
         ``key=value`` each, as ``--set`` on the command line.
-    progress : callable, optional
-        Called with a :class:`~roughbench.runner.Progress` whenever something is done.
+    progress : callable or bool, optional
+        Called with a :class:`~roughbench.runner.Progress` whenever something is done; True: a
+        line of text on standard error, in a notebook as well.
     force : bool
         Compute everything again.
     keep_going : bool
@@ -124,12 +126,16 @@ def run(
     with folder.locked(command or "a Python script") if folder else contextlib.nullcontext():
         if folder is not None:
             logs.append(folder.log)
-        with logged_to(logs), _told(folder, command) as desk:
+        with (
+            logged_to(logs),
+            _told(folder, command) as desk,
+            reported(progress) as report,
+        ):
             stocks = _take_stock(cells, limits, folder, force=force)
             if folder is not None:
                 folder.write_request(_request(resolved, stocks, command))
             tasks = select(stocks, only, parts=limits.parts)
-            desk.open(stocks, progress, keep_going=keep_going)
+            desk.open(stocks, report, keep_going=keep_going)
             _compute(tasks, limits, cluster, desk)
             desk.finish()
             _sum_up(stocks)
