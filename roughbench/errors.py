@@ -23,6 +23,13 @@ class StoreError(RoughbenchError):
     """A results file that cannot be written, or read as one."""
 
 
+class UnknownNameError(RoughbenchError, KeyError):
+    """A name that results do not hold; a KeyError whose message is shown as it stands."""
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
 class LockedError(RoughbenchError):
     """A run directory that another run works in."""
 

@@ -2,21 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import html
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from roughbench.ensemble import STATISTICS
+from roughbench.errors import UnknownNameError
+from roughbench.spec.tree import did_you_mean
 from roughbench.variables import long_name_of, units_of
 
 Array = NDArray[Any]
 """float64, float32, int64 or int32, as the results file knows them."""
 Attribute = str | int | float
 
+MOST_LINES = 6
+"""Experiments of a short text, and pressures or models of a small table."""
 
-@dataclass(frozen=True, slots=True, eq=False)
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class ModelResult:
     """The curves of one model in one experiment.
 
@@ -40,6 +48,8 @@ class ModelResult:
     variables: Mapping[str, Array]
 
     def __getitem__(self, name: str) -> Array:
+        if name not in self.variables:
+            raise _unknown("variable", name, list(self.variables), self._names())
         return self.variables[name]
 
     def __contains__(self, name: object) -> bool:
@@ -71,8 +81,41 @@ class ModelResult:
         """Return the description of a variable in words."""
         return long_name_of(name)
 
+    def __repr__(self) -> str:
+        many = f"{self.n_realizations} realization{'s' * (self.n_realizations != 1)}"
+        head = f"ModelResult {self.label!r}: {self.title}, {many}, {_extent(self)}"
+        names = f"variables: {', '.join(self._names())}"
+        shown = textwrap.wrap(names, 88, max_lines=3, placeholder=" …")
+        return "\n".join([head, *(f"  {line}" for line in shown)])
 
-@dataclass(frozen=True, slots=True, eq=False)
+    def _repr_html_(self) -> str:
+        shown = [name for name in ("area", "separation", "stiffness") if f"{name}_mean" in self]
+        pressure = np.asarray(self["pressure"], float)
+        chosen = np.linspace(0, pressure.size - 1, min(MOST_LINES, pressure.size))
+        rows = [
+            [f"{pressure[k]:.3g}", *(_mean(self, name, int(k)) for name in shown)]
+            for k in chosen.round().astype(int)
+        ]
+        words = [f"{self.long_name(name)}, {self.units(name)}" for name in shown]
+        headings = ["p/E*", *(text.removesuffix(", 1") for text in words)]
+        left_out = pressure.size - len(rows)
+        note = f"{left_out} more pressures" if left_out else ""
+        return _table(repr(self).splitlines()[0], headings, rows, note)
+
+    def _names(self) -> list[str]:
+        """Return the variables without those that are statistics of another."""
+        ends = tuple(f"_{statistic}" for statistic in STATISTICS)
+        return [name for name in self.variables if not name.endswith(ends)]
+
+
+class Models(dict[str, ModelResult]):
+    """The models of one experiment, by label."""
+
+    def __missing__(self, label: str) -> ModelResult:
+        raise _unknown("model", label, list(self))
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Results(Mapping[str, Mapping[str, ModelResult]]):
     """The results of a run: ``results["main"]["bem"]["area_mean"]``.
 
@@ -94,7 +137,9 @@ class Results(Mapping[str, Mapping[str, ModelResult]]):
     name: str = ""
 
     def __getitem__(self, experiment: str) -> Mapping[str, ModelResult]:
-        return self.experiments[experiment]
+        if experiment not in self.experiments:
+            raise _unknown("experiment", experiment, list(self.experiments))
+        return Models(self.experiments[experiment])
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.experiments)
@@ -112,3 +157,76 @@ class Results(Mapping[str, Mapping[str, ModelResult]]):
         for experiment, models in self.experiments.items():
             for result in models.values():
                 yield experiment, result
+
+    def __repr__(self) -> str:
+        lines = [self._head()]
+        for name, models in list(self.experiments.items())[:MOST_LINES]:
+            labels = (f"{label} ({one.n_realizations})" for label, one in models.items())
+            words = f"{name}: {', '.join(labels)}"
+            lines.append(textwrap.shorten(words, 96, placeholder=" …"))
+        if len(self) > MOST_LINES:
+            lines.append(f"… {len(self) - MOST_LINES} more")
+        return "\n  ".join(lines)
+
+    def _repr_html_(self) -> str:
+        rows = [
+            [
+                experiment,
+                one.label,
+                one.title,
+                str(one.n_realizations),
+                _extent(one),
+                f"{one.n_states - one.n_unconverged} of {one.n_states}",
+            ]
+            for experiment, one in self.models()
+        ]
+        most = 2 * MOST_LINES
+        headings = ["experiment", "label", "model", "realizations", "pressures", "converged"]
+        note = f"{len(rows) - most} more models" if len(rows) > most else ""
+        return _table(self._head(), headings, rows[:most], note)
+
+    def _head(self) -> str:
+        many = f"{len(self)} experiment{'s' * (len(self) != 1)}"
+        return f"Results {self.name!r}: {many}, label (realizations)"
+
+
+def _unknown(
+    kind: str, name: object, known: Sequence[str], shown: Sequence[str] | None = None
+) -> UnknownNameError:
+    """Return the error for a name that is not there, with the one that was probably meant."""
+    hint = did_you_mean(str(name), known)
+    if not hint.startswith(" (did"):
+        hint = did_you_mean("", shown or known)
+    return UnknownNameError(f"no {kind} is named {name!r}{hint}")
+
+
+def _extent(result: ModelResult) -> str:
+    """Return how many pressures there are, and between which."""
+    pressure = np.asarray(result.variables["pressure"], float)
+    if pressure.size == 0:
+        return "no pressures"
+    if pressure.size == 1:
+        return f"1 pressure, p/E* = {pressure[0]:.3g}"
+    return f"{pressure.size} pressures, p/E* = {pressure.min():.3g} … {pressure.max():.3g}"
+
+
+def _mean(result: ModelResult, name: str, k: int) -> str:
+    mean, error = float(result[f"{name}_mean"][k]), float(result[f"{name}_sem"][k])
+    return f"{mean:.4g} ± {error:.2g}" if np.isfinite(error) else f"{mean:.4g}"
+
+
+def _table(
+    caption: str, headings: Sequence[str], rows: Sequence[Sequence[str]], note: str
+) -> str:
+    """Return a small table as HTML, for notebooks."""
+
+    def cells(texts: Sequence[str], tag: str) -> str:
+        inner = "".join(f"<{tag}>{html.escape(text)}</{tag}>" for text in texts)
+        return f"<tr>{inner}</tr>"
+
+    body = "".join(cells(row, "td") for row in rows)
+    return (
+        f"<table><caption>{html.escape(caption)}</caption>"
+        f"<thead>{cells(headings, 'th')}</thead><tbody>{body}</tbody></table>"
+        + (f"<p>{html.escape(note)}</p>" if note else "")
+    )

@@ -56,13 +56,12 @@ OWNERS = {
     "h5py": {"heights_file", "store"},
     "matplotlib": {"figures"},
     "numba": {"models"},
-    "plotly": {"report"},
     "pydantic": {"models", "spec"},
     "pydantic_core": {"spec"},
     "pyfftw": {"transform"},
     "scipy": {"fits", "models", "observables"},
     "threadpoolctl": {"runner"},
-    "tqdm": {"cli"},
+    "tqdm": {"cli", "runner"},
     "yaml": {"spec"},
 }
 """Third-party package → the layers that may import it. NumPy is everybody's."""

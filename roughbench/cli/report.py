@@ -40,10 +40,10 @@ from roughbench.cli.options import (
 def command(
     results: tuple[Path, ...], output: Path, reference: str | None, resamples: int
 ) -> None:
-    """Write a page on RESULTS: verdicts, figures, fits.
+    """Write a page on RESULTS: figures, verdicts, fits.
 
-    One HTML file that a browser opens without a network: which of the paper's claims
-    hold, by which rule and with which numbers; interactive figures of all curves; the fits
+    One HTML file that a browser opens without a network: interactive figures of all
+    curves; which of the paper's claims hold, by which rule and with which numbers; the fits
     with errors; what to know before trusting them; and how to compute it all again.
     """
     from roughbench.outputs import check_output, write_output

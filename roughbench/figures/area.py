@@ -1,15 +1,14 @@
 """Fig. 3(a) of the paper: the real contact area A/A0 against the pressure p/E*.
 
 Exact solver as squares with standard errors, foundation as a solid line with a
-standard-error band, Persson dashed; one colour for each experiment (each roll-off).
+standard-error band, Persson dashed; one shade for each experiment (each roll-off).
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from roughbench.figures.looks import experiment_colours
-from roughbench.figures.panel import draw_panel, legend_handles
+from roughbench.figures.panel import draw_panel, legend_handles, limit_to_curves
 from roughbench.figures.style import footnote, legend_above, new_figure
 from roughbench.figures.words import unconverged_remarks
 from roughbench.results import Results
@@ -18,8 +17,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MOST_INSIDE = 6
-"""Entries of a legend that find room under the curves."""
+HIGHEST = 1.0
+"""All of A0; what models without a bound say beyond it is cut off."""
 
 
 def missing(results: Results) -> str | None:
@@ -29,14 +28,9 @@ def missing(results: Results) -> str | None:
 
 def draw(results: Results) -> Figure:
     """Return the figure."""
-    figure, (axes,) = new_figure(1, 2.6)
+    figure, (axes,) = new_figure(1, 3.0)
     panel(axes, results)
-    experiments = list(results)
-    handles = legend_handles(results, experiments, "area", experiment_colours(experiments))
-    if len(handles) <= MOST_INSIDE:
-        axes.legend(handles=handles, loc="lower right")
-    else:
-        legend_above(figure, handles, room=0.6)
+    legend_above(figure, legend_handles(results, list(results), "area"))
     footnote(figure, unconverged_remarks(results))
     return figure
 
@@ -45,4 +39,4 @@ def panel(axes: Axes, results: Results) -> None:
     """Draw the curves, without a legend."""
     draw_panel(axes, results, list(results), "area")
     axes.set_ylabel(r"contact area $A/A_0$")
-    axes.set_ylim(top=2.0)
+    limit_to_curves(axes, results, "area", highest=HIGHEST)

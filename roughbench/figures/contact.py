@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roughbench.figures.style import footnote, new_figure
-from roughbench.figures.words import MODULUS, experiment_label, number_text, titles
+from roughbench.figures.words import MODULUS, experiment_labels, number_text, titles
 from roughbench.results import Results
 
 if TYPE_CHECKING:
@@ -60,6 +60,7 @@ def draw(results: Results) -> Figure:
 
 def _groups(results: Results) -> Iterator[tuple[str, list[ContactMap]]]:
     """Yield the states of each experiment, realization and pressure, and what it is called."""
+    labels = experiment_labels(results)
     for experiment, models in results.items():
         names = titles(models)
         found: dict[tuple[int, float], list[ContactMap]] = {}
@@ -75,7 +76,7 @@ def _groups(results: Results) -> Iterator[tuple[str, list[ContactMap]]]:
             ):
                 found.setdefault((r, p), []).append(ContactMap(names[label], field / slope))
         for (r, p), maps in sorted(found.items(), key=lambda group: group[0]):
-            words = [experiment_label(experiment), f"realization {r}" if r else ""]
+            words = [labels[experiment], f"realization {r}" if r else ""]
             pressure = number_text(p).strip("$")
             yield "\n".join(filter(None, [rf"$p/{MODULUS} = {pressure}$", *words])), maps
 
@@ -120,5 +121,5 @@ def contact_maps(groups: Mapping[str, Sequence[ContactMap]]) -> Figure:
             used.append(axes)
     if image is not None:
         bar = figure.colorbar(image, ax=used, location="bottom", extend="max", aspect=30)
-        bar.set_label(rf"pressure $\sigma/{MODULUS}\xi$")
+        bar.set_label(rf"pressure $\sigma/({MODULUS}\xi)$")
     return figure

@@ -5,10 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from roughbench.figures import area, separation
-from roughbench.figures.looks import experiment_colours
 from roughbench.figures.panel import legend_handles
 from roughbench.figures.style import footnote, legend_above, letter, new_figure
-from roughbench.figures.words import unconverged_remarks
+from roughbench.figures.words import height_remark, unconverged_remarks
 from roughbench.results import Results
 
 if TYPE_CHECKING:
@@ -22,16 +21,12 @@ def missing(results: Results) -> str | None:
 
 def draw(results: Results) -> Figure:
     """Return the figure."""
-    experiments = list(results)
     figure, (upper, lower) = new_figure(2, 2.3, extra=0.6, share=True)
     area.panel(upper, results)
     separation.panel(lower, results)
     for number, axes in enumerate((upper, lower)):
         axes.label_outer()
         letter(axes, number)
-    handles = legend_handles(
-        results, experiments, "separation", experiment_colours(experiments)
-    )
-    legend_above(figure, handles)
-    footnote(figure, unconverged_remarks(results))
+    legend_above(figure, legend_handles(results, list(results), "separation"))
+    footnote(figure, [height_remark(results), *unconverged_remarks(results)])
     return figure

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from roughbench.figures.looks import FOUNDATION
 from roughbench.figures.pressed import (
     FloatArray,
     Pressed,
@@ -25,8 +26,8 @@ from roughbench.figures.pressed import (
     sources,
 )
 from roughbench.figures.rebuild import spec_fault
-from roughbench.figures.style import BACKGROUND, COLOURS, SMALL, letter, new_figure
-from roughbench.figures.words import MODULUS, experiment_label, height_label, number_text
+from roughbench.figures.style import BACKGROUND, SMALL, footnote, letter, new_figure
+from roughbench.figures.words import MODULUS, experiment_labels, height_remark, number_text
 from roughbench.results import Results
 
 if TYPE_CHECKING:
@@ -34,7 +35,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _PUNCH, _PUNCH_EDGE = "0.85", "0.2"
-_FREE, _COMPRESSED = "0.45", COLOURS[1]
+_FREE, _COMPRESSED = "0.45", FOUNDATION.colour
+_WINDOW = "0.0"
 
 
 def missing(results: Results) -> str | None:
@@ -57,10 +59,12 @@ def draw(results: Results) -> Figure:
         rf"$p/{MODULUS} = {number_text(pressed.pressure).strip('$')}$, "
         rf"$\bar u = {pressed.separation / pressed.rms_height:.2g}\,h_\mathrm{{rms}}$"
     )
-    letter(whole, 0, ", ".join(filter(None, [experiment_label(pressed.experiment), state])))
+    name = experiment_labels(results)[pressed.experiment]
+    letter(whole, 0, ", ".join(filter(None, [name, state])))
     shown = "" if window.step == 1 else f", one in {window.step} drawn"
     letter(zoom, 1, f"some of the {pressed.clearance.size} springs{shown}")
-    figure.supylabel(f"height/$h_\\mathrm{{rms}}$ {height_label(results)}", fontsize=9)
+    figure.supylabel(r"height/$h_\mathrm{rms}$", fontsize=9)
+    footnote(figure, [height_remark(results)])
     return figure
 
 
@@ -75,11 +79,11 @@ def _draw_whole(axes: Axes, pressed: Pressed, window: Window) -> None:
     axes.axhline(0.0, color=_COMPRESSED, linewidth=0.7)
     window_ends = [window.start / n, window.stop / n]
     for end in window_ends:
-        axes.axvline(end, color=COLOURS[0], linewidth=0.6)
+        axes.axvline(end, color=_WINDOW, linewidth=0.6)
     axes.plot(
         window_ends,
         [0.0, 0.0],
-        color=COLOURS[0],
+        color=_WINDOW,
         linewidth=4,
         solid_capstyle="butt",
         transform=axes.get_xaxis_transform(),

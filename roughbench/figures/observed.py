@@ -1,7 +1,7 @@
 """An observable of the fields: one panel per pressure, all models in each.
 
 Lines with bands are means with standard errors; Persson's theory, where it says something, is
-thin and grey. A line's spectrum is divided by πq: it stands for the surface's that is mapped to
+thin. A line's spectrum is divided by πq: it stands for the surface's that is mapped to
 it.
 """
 
@@ -15,10 +15,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.figures.style import COLOURS, footnote, legend_above, letter, new_figure
+from roughbench.figures.looks import PERSSON, Look, looks
+from roughbench.figures.style import footnote, legend_above, letter, new_figure
 from roughbench.figures.words import (
     MODULUS,
-    experiment_label,
+    experiment_labels,
+    height_remark,
     number_text,
     titles,
     unconverged_remarks,
@@ -38,9 +40,8 @@ MOST_PANELS = 4
 """Pressures of a single experiment; of several, two each are drawn."""
 DECADES = 1e-7
 """Values below the highest by more than this factor are cut off; in reports, at first."""
-_DASHES = ((), (9, 1.5), (5, 1.5, 1, 1.5), (2, 1), (1, 1))
 _WORDS: Mapping[ObservableName, tuple[str, str]] = {
-    "pressure_pdf": (r"pressure $\sigma/E\!^*\xi$", "density"),
+    "pressure_pdf": (r"pressure $\sigma/(E\!^*\xi)$", "density"),
     "gap_pdf": (r"gap $g/h_\mathrm{rms}$", "density"),
     "stress_spectrum": (r"wavevector $q$", r"$C_\sigma(q)$, lines: $C_\sigma/\pi q$"),
     "contact_spectrum": (r"wavevector $q$", r"$C_c(q)$, lines: $C_c/\pi q$"),
@@ -59,14 +60,17 @@ class Line:
     title : str
     x, y, error : ndarray of float64, shape (K,)
         What a logarithmic axis cannot show is left out.
+    look : Look
+        Of the contender; its marker is not drawn.
     is_theory : bool
-        Drawn thin and grey, without a band.
+        Drawn thin, without a band.
     """
 
     title: str
     x: FloatArray
     y: FloatArray
     error: FloatArray
+    look: Look
     is_theory: bool = False
 
 
@@ -93,11 +97,13 @@ class Observed:
         axis, value = _WORDS[self.observable]
         scale = "linear" if self.observable == "pressure_pdf" else "log"
         figure = panels(dict(self._panels(results)), axis, value, scale)
-        footnote(figure, unconverged_remarks(results))
+        height = [height_remark(results)] * (self.observable == "gap_pdf")
+        footnote(figure, height + unconverged_remarks(results))
         return figure
 
     def _panels(self, results: Results) -> Iterator[tuple[str, list[Line]]]:
         """Yield what is written over a panel, and its lines."""
+        labels, styles = experiment_labels(results), looks(results)
         most = MOST_PANELS if len(results) == 1 else 2
         for experiment, models in results.items():
             names = titles(models)
@@ -110,10 +116,12 @@ class Observed:
             count = min(most, pressures.size)
             for k in np.linspace(0, pressures.size - 1, count).round().astype(int):
                 words = [rf"$p/{MODULUS} = {number_text(pressures[k]).strip('$')}$"]
-                words += filter(None, [experiment_label(experiment)])
-                yield ", ".join(words), self._lines(own, int(k))
+                words += filter(None, [labels[experiment]])
+                yield ", ".join(words), self._lines(own, styles, int(k))
 
-    def _lines(self, models: Mapping[str, ModelResult], k: int) -> list[Line]:
+    def _lines(
+        self, models: Mapping[str, ModelResult], styles: Mapping[str, Look], k: int
+    ) -> list[Line]:
         name = variable_of(self.observable)
         lines: list[Line] = []
         theory: list[Line] = []
@@ -122,10 +130,11 @@ class Observed:
             is_line = result.attributes["dimension"] == 1 and self.observable in _DENSITIES
             unit = math.pi * x if is_line else np.ones(x.shape)
             mean, sem = result[f"{name}_mean"][k], result[f"{name}_sem"][k]
-            lines.append(Line(title, x, mean / unit, sem / unit))
+            lines.append(Line(title, x, mean / unit, sem / unit, styles[result.label]))
             if f"{name}_persson" in result and not theory:
                 values, none = result[f"{name}_persson"][k], np.full(x.shape, math.nan)
-                theory.append(Line(self._theory(result), x, values, none, is_theory=True))
+                title = self._theory(result)
+                theory.append(Line(title, x, values, none, PERSSON, is_theory=True))
         return lines + theory
 
     def _theory(self, result: ModelResult) -> str:
@@ -153,27 +162,27 @@ def panels(
     figure, all_axes = new_figure(rows, 2.1, columns, extra=0.4, share=True)
     for axes in all_axes[len(lines) :]:
         axes.remove()
-    looks = _looks([line for some in lines.values() for line in some])
+    handles: dict[str, dict[str, Any]] = {}
     for number, (axes, (title, some)) in enumerate(zip(all_axes, lines.items(), strict=False)):
-        _panel(axes, some, scale, looks)
+        handles |= _panel(axes, some, scale)
         letter(axes, number, title)
         axes.set_xlabel(axis)
         axes.set_ylabel(value)
         axes.label_outer()
-    legend_above(figure, _handles(looks))
+    legend_above(figure, _handles(handles))
     return figure
 
 
-def _panel(
-    axes: Axes, lines: Sequence[Line], scale: str, looks: Mapping[str, dict[str, Any]]
-) -> None:
+def _panel(axes: Axes, lines: Sequence[Line], scale: str) -> dict[str, dict[str, Any]]:
+    """Draw the lines of a panel, and return how each of them is drawn."""
     axes.set_xscale(scale)
     axes.set_yscale("log")
+    drawn = {}
     highest, lowest = 0.0, math.inf
     for line in lines:
         shown = np.isfinite(line.y) & (line.y > 0.0) & np.isfinite(line.x) & (line.x > 0.0)
         x, y, error = line.x[shown], line.y[shown], line.error[shown]
-        look = looks[line.title]
+        look = drawn[line.title] = _style(line)
         axes.plot(x, y, gid=line.title, **look)
         if y.size:
             highest, lowest = max(highest, y.max()), min(lowest, y.min())
@@ -182,23 +191,18 @@ def _panel(
             axes.fill_between(x, below, y + error, color=look["color"], alpha=0.25, linewidth=0)
     if highest > 0.0:
         axes.set_ylim(max(lowest / 2.0, DECADES * highest), 3.0 * highest)
+    return drawn
 
 
-def _looks(lines: Sequence[Line]) -> dict[str, dict[str, Any]]:
-    looks: dict[str, dict[str, Any]] = {}
-    for line in lines:
-        if line.title in looks:
-            continue
-        number = len(looks)
-        dashes = _DASHES[number % len(_DASHES)]
-        looks[line.title] = {
-            "color": "0.45" if line.is_theory else COLOURS[number % len(COLOURS)],
-            "linestyle": (0, (3, 2)) if line.is_theory else (0, dashes) if dashes else "-",
-        }
-    return looks
+def _style(line: Line) -> dict[str, Any]:
+    return {
+        "color": line.look.colour,
+        "linestyle": (0, line.look.dashes) if line.look.dashes else "-",
+        "linewidth": 0.7 if line.is_theory else 1.1,
+    }
 
 
-def _handles(looks: Mapping[str, dict[str, Any]]) -> list[Artist]:
+def _handles(drawn: Mapping[str, dict[str, Any]]) -> list[Artist]:
     from matplotlib.lines import Line2D
 
-    return [Line2D([], [], label=title, **look) for title, look in looks.items()]
+    return [Line2D([], [], label=title, **look) for title, look in drawn.items()]

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from roughbench.figures.curves import Curve, Quantity, curve_of, full_contact_pressure
-from roughbench.figures.looks import Look, experiment_colours, looks
+from roughbench.figures.looks import Look, experiment_shades, lighter, looks
 from roughbench.figures.style import SMALL
-from roughbench.figures.words import PRESSURE, experiment_label, model_names
+from roughbench.figures.words import PRESSURE, experiment_labels, model_names
 from roughbench.results import Results
 
 if TYPE_CHECKING:
@@ -39,21 +40,21 @@ def draw_panel(
     axes : Axes
     results : Results
     experiments : sequence of str
-        With one of them, colours tell the contenders apart; else the experiments.
+        Colours tell the contenders apart, shades the experiments.
     quantity : {"area", "separation", "stiffness"}
     is_inset : bool
         Small, with a linear ordinate, without error bars and marks.
     """
     axes.set_xscale("log")
     axes.set_yscale("linear" if is_inset else "log")
-    colours = experiment_colours(experiments)
+    shades = experiment_shades(experiments)
     styles = looks(results)
     for number, experiment in enumerate(experiments):
         turn = number / len(experiments)
         for label, result in results[experiment].items():
             curve = curve_of(result, quantity)
             look = styles[label]
-            colour = colours.get(experiment, look.colour)
+            colour = lighter(look.colour, shades[experiment])
             name = f"{experiment}/{label}/{quantity}"
             if is_inset:
                 _draw_thin(axes, curve, look, colour, turn=turn)
@@ -71,6 +72,38 @@ def draw_panel(
         axes.tick_params(which="minor", length=0)
     else:
         axes.set_xlabel(PRESSURE)
+
+
+def limit_to_curves(
+    axes: Axes,
+    results: Results,
+    quantity: Quantity,
+    *,
+    lowest: float = 0.0,
+    highest: float = math.inf,
+) -> None:
+    """Show the curves from the lowest value to the highest, whatever their bands do.
+
+    A band whose lower edge is at or below zero has no end on a logarithmic axis: it runs out
+    of the panel.
+
+    Parameters
+    ----------
+    axes : Axes
+        With a logarithmic ordinate.
+    results : Results
+        All of them, so that panels side by side have the same limits.
+    quantity : {"area", "separation", "stiffness"}
+    lowest, highest : float
+        What lies beyond them is cut off.
+    """
+    values = np.concatenate(
+        [curve_of(result, quantity).value for _, result in results.models()]
+    )
+    values = values[np.isfinite(values) & (values > 0.0)]
+    if values.size and values.min() < highest and values.max() > lowest:
+        low, high = max(values.min(), lowest), min(values.max(), highest)
+        axes.set_ylim(low if low == lowest else low / 2.0, 2.0 * high)
 
 
 def _draw_curve(
@@ -93,13 +126,13 @@ def _draw_curve(
     drawn = np.isfinite(curve.value) & (curve.value > 0.0)
     value = np.where(drawn, curve.value, np.nan)
     has_band = drawn & np.isfinite(curve.lower) & np.isfinite(curve.upper)
+    # At full contact there is nothing to subtract: inf - inf would be a fault.
+    lower, upper = np.where(has_band, [curve.lower, curve.upper], np.nan)
     if look.marker:
-        below = np.where(has_band, curve.value - curve.lower, np.nan)
-        above = np.where(has_band, curve.upper - curve.value, np.nan)
         bars = axes.errorbar(
             curve.pressure,
             value,
-            yerr=np.maximum(np.stack([below, above]), 0.0),
+            yerr=np.maximum(np.stack([value - lower, upper - value]), 0.0),
             fmt=look.marker,
             color=colour,
             markerfacecolor="none" if turn else "white",
@@ -116,8 +149,8 @@ def _draw_curve(
         if has_band.any():
             axes.fill_between(
                 curve.pressure,
-                curve.lower,
-                curve.upper,
+                lower,
+                upper,
                 where=has_band.tolist(),
                 color=colour,
                 alpha=0.25,
@@ -168,17 +201,18 @@ def legend_handles(
     results: Results,
     experiments: Sequence[str],
     quantity: Quantity,
-    colours: Mapping[str, str] | None = None,
+    *,
+    in_one_panel: bool = True,
 ) -> list[Artist]:
-    """Return one handle per contender, one per experiment, one for full contact.
+    """Return one handle per contender, one per experiment of several, one for full contact.
 
     Parameters
     ----------
     results : Results
     experiments : sequence of str
     quantity : {"area", "separation", "stiffness"}
-    colours : mapping of str to str, optional
-        Of the experiments, where colours tell them apart.
+    in_one_panel : bool
+        Whether shades tell the experiments apart; else each has a panel of its own.
 
     Returns
     -------
@@ -195,17 +229,18 @@ def legend_handles(
             Line2D(
                 [],
                 [],
-                color="0.25" if colours else look.colour,
+                color=look.colour,
                 marker=look.marker or "none",
                 markerfacecolor="none",
                 linestyle="none" if look.marker else (0, look.dashes) if look.dashes else "-",
                 label=name,
             )
         )
-    if colours:
+    if in_one_panel and len(experiments) > 1:
+        names = experiment_labels(results)
         handles += [
-            Line2D([], [], color=colours[name], linewidth=3, label=experiment_label(name))
-            for name in experiments
+            Line2D([], [], color=lighter("#000000", share), linewidth=3, label=names[name])
+            for name, share in experiment_shades(experiments).items()
         ]
     if quantity in _FULL_CONTACT and any(
         full_contact_pressure(curve_of(result, quantity)) is not None

@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from roughbench.figures.curves import Curve, curve_of
-from roughbench.figures.looks import experiment_colours
-from roughbench.figures.panel import draw_panel, legend_handles
+from roughbench.figures.panel import draw_panel, legend_handles, limit_to_curves
 from roughbench.figures.style import footnote, legend_above, new_figure
-from roughbench.figures.words import height_label, unconverged_remarks
+from roughbench.figures.words import height_remark, unconverged_remarks
 from roughbench.results import Results
 
 if TYPE_CHECKING:
@@ -38,22 +37,16 @@ def draw(results: Results) -> Figure:
     """Return the figure."""
     figure, (axes,) = new_figure(1, 3.0)
     panel(axes, results)
-    experiments = list(results)
-    colours = experiment_colours(experiments)
-    handles = legend_handles(results, experiments, "separation", colours)
-    legend_above(figure, handles)
-    footnote(figure, unconverged_remarks(results))
+    legend_above(figure, legend_handles(results, list(results), "separation"))
+    footnote(figure, [height_remark(results), *unconverged_remarks(results)])
     return figure
 
 
 def panel(axes: Axes, results: Results) -> None:
     """Draw the curves and the inset, without a legend."""
     draw_panel(axes, results, list(results), "separation")
-    axes.set_ylabel(r"separation $\bar u/h_\mathrm{rms}$" f"\n{height_label(results)}")
-    values = [curve_of(result, "separation").value for _, result in results.models()]
-    positive = np.concatenate([value[np.isfinite(value) & (value > 0.0)] for value in values])
-    if positive.size and positive.max() > 10.0 * FLOOR > positive.min():
-        axes.set_ylim(FLOOR, 2.5 * positive.max())
+    axes.set_ylabel(r"separation $\bar u/h_\mathrm{rms}$")
+    limit_to_curves(axes, results, "separation", lowest=FLOOR)
     room = min(_room(axes, curve_of(result, "separation")) for _, result in results.models())
     left, bottom, width, height = _INSET
     width = min(width, room - 0.03 - left)

@@ -1,10 +1,10 @@
 r"""Fig. 2 of the paper: the spectrum C2D(q) with q0, qr and q1, and a realized one.
 
-Lines are the spectra of the experiments; if there is only one, and it has a roll-off,
-the spectrum of the same rms slope without it (qr = q0) is added in grey. Circles are the
-periodogram of realization 0, averaged over all modes in a ring: of the exact solver's
-surface, :math:`(L/2\pi)^2\langle|h_q|^2\rangle`, or else of the foundation's line,
-:math:`L|h_q|^2/(2\pi\cdot\pi q)`, whose spectrum is :math:`\pi q C_{2D}`. With fixed
+Lines are the spectra of the experiments, one shade each; if there is only one, and it has
+a roll-off, the spectrum of the same rms slope without it (qr = q0) is added, thin and grey.
+Circles are the periodogram of realization 0, averaged over all modes in a ring: of the
+exact solver's surface, :math:`(L/2\pi)^2\langle|h_q|^2\rangle`, or else of the foundation's
+line, :math:`L|h_q|^2/(2\pi\cdot\pi q)`, whose spectrum is :math:`\pi q C_{2D}`. With fixed
 amplitudes each mode carries exactly its share, so that the circles lie on the line.
 """
 
@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from roughbench.figures.looks import experiment_shades, lighter
 from roughbench.figures.rebuild import Experiment, self_affine_experiments, spec_fault
-from roughbench.figures.style import COLOURS, GUIDE, SMALL, new_figure
+from roughbench.figures.style import GUIDE, legend_above, new_figure
 from roughbench.figures.words import experiment_label
 from roughbench.models.base import Sample
 from roughbench.results import Results
@@ -26,6 +27,7 @@ from roughbench.spectrum import Spectrum, self_affine
 from roughbench.surface import wavenumbers
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -46,7 +48,7 @@ def missing(results: Results) -> str | None:
 
 def draw(results: Results) -> Figure:
     """Return the figure."""
-    figure, (axes,) = new_figure(1, 2.7)
+    figure, (axes,) = new_figure(1, 3.0)
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlabel(r"wavevector $q$ (1/length)")
@@ -55,9 +57,10 @@ def draw(results: Results) -> Figure:
     surfaces = [surface for _, surface, _ in experiments]
     if len(surfaces) == 1:
         _draw_without_rolloff(axes, surfaces[0])
+    shades = experiment_shades([name for name, _, _ in experiments])
     for number, (name, surface, spec) in enumerate(experiments):
-        colour = COLOURS[number % len(COLOURS)]
-        label = experiment_label(name) or "theory"
+        colour = lighter("#000000", shades[name])
+        label = experiment_label(name, surface.q_min) or "theory"
         _draw_theory(axes, surface.spectrum(), colour, label, f"{name}/theory")
         realized = realized_spectrum(spec, surface)
         if realized is not None:
@@ -75,8 +78,7 @@ def draw(results: Results) -> Figure:
                 gid=f"{name}/{kind}",
             )
     _mark_wavevectors(axes, surfaces)
-    _draw_slope(axes, max((s.spectrum() for s in surfaces), key=lambda s: s.edges[-2]))
-    axes.legend(loc="lower left")
+    legend_above(figure, [*axes.get_legend_handles_labels()[0], _law(surfaces)])
     return figure
 
 
@@ -191,13 +193,11 @@ def _mark_wavevectors(axes: Axes, surfaces: list[SelfAffineSurface]) -> None:
         )
 
 
-def _draw_slope(axes: Axes, spectrum: Spectrum) -> None:
-    """Write the power law above its line, near the upper end."""
-    q = spectrum.edges[-2] ** 0.85 * spectrum.edges[-1] ** 0.15
-    axes.annotate(
-        rf"$\propto q^{{-2(1+H)}}$, $H = {spectrum.hurst:g}$",
-        (q, float(spectrum.psd_2d(q))),
-        (6, 6),
-        textcoords="offset points",
-        fontsize=SMALL + 1.0,
-    )
+def _law(surfaces: list[SelfAffineSurface]) -> Artist:
+    """Return an entry of the legend that says the power law above the roll-off."""
+    from matplotlib.lines import Line2D
+
+    hurst = {surface.hurst for surface in surfaces}
+    value = f", $H = {hurst.pop():g}$" if len(hurst) == 1 else ""
+    words = rf"$\propto q^{{-2(1+H)}}${value} above $q_r$"
+    return Line2D([], [], linestyle="none", label=words)

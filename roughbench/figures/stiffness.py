@@ -18,7 +18,7 @@ import numpy as np
 
 from roughbench.figures.agreement import FACTOR, Agreement, agreement_in, departures
 from roughbench.figures.curves import curve_of, has_medians
-from roughbench.figures.panel import draw_panel, legend_handles
+from roughbench.figures.panel import draw_panel, legend_handles, limit_to_curves
 from roughbench.figures.style import (
     BACKGROUND,
     GUIDE,
@@ -30,8 +30,8 @@ from roughbench.figures.style import (
 )
 from roughbench.figures.words import (
     MODULUS,
-    experiment_label,
-    height_label,
+    experiment_labels,
+    height_remark,
     number_text,
     unconverged_remarks,
 )
@@ -65,43 +65,35 @@ def draw(results: Results) -> Figure:
         axes.remove()
     for number, (axes, experiment) in enumerate(zip(panels, experiments, strict=False)):
         _panel(axes, results, experiment, number)
-    legend_above(figure, _handles(results, experiments))
-    remarks = unconverged_remarks(results)
+    legend_above(figure, _handles(results))
+    remarks = [height_remark(results)]
     if has_medians(results, "stiffness"):
-        remarks.insert(0, "Medians with 16 % and 84 % quantiles where a mean is infinite.")
-    footnote(figure, remarks)
+        remarks.append("Medians with 16 % and 84 % quantiles where a mean is infinite.")
+    footnote(figure, remarks + unconverged_remarks(results))
     return figure
 
 
 def _panel(axes: Axes, results: Results, experiment: str, number: int) -> None:
     draw_panel(axes, results, [experiment], "stiffness")
     label = rf"stiffness $K h_\mathrm{{rms}}/{MODULUS}$"
-    axes.set_ylabel(f"{label}\n{height_label(results)}")
+    axes.set_ylabel(label)
     axes.label_outer()
     if len(results) > 1:
-        letter(axes, number, experiment_label(experiment))
-    _limit(axes, results)
+        letter(axes, number, experiment_labels(results)[experiment])
+    limit_to_curves(axes, results, "stiffness", highest=CEILING)
     _draw_guides(axes, results, experiment)
     _draw_departures(axes, agreement_in(results, experiment, FACTOR))
 
 
-def _handles(results: Results, experiments: list[str]) -> list[Artist]:
+def _handles(results: Results) -> list[Artist]:
     from matplotlib.lines import Line2D
 
-    handles = legend_handles(results, experiments, "stiffness")
+    handles = legend_handles(results, list(results), "stiffness", in_one_panel=False)
     found = departures(results).values()
     if any(range_ is not None and range_.pressures for range_ in found):
         words = f"Popov/Persson = {FACTOR:g}, 1/{FACTOR:g}"
         handles.append(Line2D([], [], label=words, **_DEPARTURE))
     return handles
-
-
-def _limit(axes: Axes, results: Results) -> None:
-    """Show all panels from the lowest value to the highest, but not above CEILING."""
-    values = np.concatenate([curve_of(r, "stiffness").value for _, r in results.models()])
-    values = values[np.isfinite(values) & (values > 0.0)]
-    if values.size and values.min() < CEILING:
-        axes.set_ylim(values.min() / 3.0, 2.0 * min(values.max(), CEILING))
 
 
 def _draw_guides(axes: Axes, results: Results, experiment: str) -> None:

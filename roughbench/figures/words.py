@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import re
+import math
 from collections.abc import Mapping, Sequence
 
 from roughbench.figures.curves import Quantity, curve_of
@@ -20,6 +20,8 @@ _SYMBOLS: Mapping[str, str] = {
     "surface.rms_height": r"h_\mathrm{rms}",
 }
 
+_WAVEVECTORS = ("surface.qr", "surface.q1")
+
 
 def number_text(value: float) -> str:
     r"""Return a positive number with two digits, as in a text.
@@ -33,40 +35,74 @@ def number_text(value: float) -> str:
     return rf"${digits}\times10^{{{int(exponent)}}}$"
 
 
-def experiment_label(name: str) -> str:
+def experiment_label(name: str, q_min: float | None = None) -> str:
     """Return how an experiment is called in a legend; empty for the only one, ``main``.
+
+    Parameters
+    ----------
+    name : str
+        Of the experiment, in the words of the spec.
+    q_min : float, optional
+        q0, where it is known: other wavevectors are divided by it.
 
     Examples
     --------
-    >>> experiment_label("surface.qr=8.0"), experiment_label("main")
-    ('$q_r = 8$', '')
+    >>> experiment_label("surface.qr=8.0", 1.0), experiment_label("main")
+    ('$q_r/q_0 = 8$', '')
     """
     if name == "main":
         return ""
     words = []
     for part in name.split(","):
         key, equals, value = part.partition("=")
-        if re.fullmatch(r"-?\d+\.0", value):
-            value = value.removesuffix(".0")
-        if key in _SYMBOLS and re.fullmatch(r"[-+.\de]+", value):
-            words.append(f"${_SYMBOLS[key]} = {value}$")
+        symbol = _SYMBOLS.get(key)
+        try:
+            number = float(value)
+        except ValueError:
+            number, symbol = math.nan, None
+        if q_min and key in _WAVEVECTORS:
+            symbol, number = f"{symbol}/q_0", number / q_min
+        if symbol and math.isfinite(number):
+            words.append(f"${symbol} = {_plain(number)}$")
         else:
             words.append(f"{key.removeprefix('surface.')} = {value}" if equals else part)
     return ", ".join(words)
 
 
-def height_label(results: Results) -> str:
-    """Return which rms height the lengths are divided by, in words for an axis.
+def _plain(number: float) -> str:
+    """Return a number of a spec with the digits that tell it from its neighbours."""
+    digits, times, exponent = f"{number:.6g}".partition("e")
+    return rf"{digits}\times10^{{{int(exponent)}}}" if times else digits
+
+
+def experiment_labels(results: Results) -> dict[str, str]:
+    """Return how each experiment is called in a legend, wavevectors in units of q0."""
+    return {
+        name: experiment_label(name, smallest_wavevector(results, name)) for name in results
+    }
+
+
+def smallest_wavevector(results: Results, experiment: str) -> float | None:
+    """Return q0 of the surfaces of an experiment; None of given heights."""
+    for result in results[experiment].values():
+        if "q_min" in result.attributes:
+            return float(result.attributes["q_min"])
+    return None
+
+
+def height_remark(results: Results) -> str:
+    """Return which rms height the lengths are divided by, in words for a caption.
 
     The sum over the modes of a cell exceeds the integral over the spectrum by up to
     40 % of h_rms without a roll-off, so a figure has to name its h_rms.
     """
     from_files = {result.attributes.get("surface") == "file" for _, result in results.models()}
     words = {
-        frozenset({False}): "spectrum, continuum",
-        frozenset({True}): "of the given heights",
+        frozenset({False}): "rms height of the spectrum (continuum)",
+        frozenset({True}): "rms height of the given heights",
     }
-    return rf"($h_\mathrm{{rms}}$: {words.get(frozenset(from_files), 'spectrum or heights')})"
+    either = "rms height of the spectrum, or of the given heights"
+    return rf"$h_\mathrm{{rms}}$: {words.get(frozenset(from_files), either)}."
 
 
 def model_names(

@@ -82,13 +82,17 @@ def law_tables(models: Mapping[str, Mapping[str, Estimate]]) -> Iterator[Table]:
         law = f" (1/(1+H) = {expected[0]:.3f})" if expected else ""
         yield _table(
             f"few contacts, K ~ p^n{law}",
-            {"n": "exponent", "θ of eq. (10)": "theta", "θ, realized h_rms": "theta_realized"},
+            {
+                "n": "exponent",
+                "θ of eq. (10)": "theta",
+                "θ, own h_rms": "theta_realized",
+            },
             models,
         )
     others = {label: names for label, names in models.items() if "area_factor" in names}
     if others:
         yield _table(
-            "factor from the reference, where that has A ~ p or K ~ p; realized h_rms",
+            "factor from the reference, where that has A ~ p or K ~ p; own h_rms",
             {
                 "in A/A0": "area_factor",
                 "in ū/h_rms": "separation_factor",

@@ -1,4 +1,4 @@
-"""One page on what results say: verdicts, interactive figures, fits, warnings, provenance.
+"""One page on what results say: interactive figures, verdicts, fits, warnings, the spec.
 
 The page is a single HTML file that needs nothing else: styles, data and the library that
 draws the figures stand inside it, and it loads nothing from anywhere.
@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from roughbench.fits import RESAMPLES, fit
+from roughbench.fits import RESAMPLES
 from roughbench.outputs import Kind
 from roughbench.report.page import Content, render
 from roughbench.report.sources import Source, read_sources
-from roughbench.verdict import judge
+from roughbench.verdict import cases_of, judge_cases
 
 __all__ = ["PAGE", "Source", "make_report", "read_sources"]
 
@@ -47,13 +47,8 @@ def make_report(
         ``reference``.
     """
     sources = read_sources(paths)
-    verdicts = judge(
-        [(source.name, source.results) for source in sources],
-        reference=reference,
-        resamples=resamples,
+    cases = cases_of(
+        [(source.name, source.results) for source in sources], reference, resamples
     )
-    fits = [
-        fit(source.results, reference=source.has(reference), resamples=resamples)
-        for source in sources
-    ]
-    return render(Content(sources, verdicts, fits, reference, resamples))
+    verdicts = judge_cases(cases, resamples)
+    return render(Content(sources, verdicts, cases, reference, resamples))

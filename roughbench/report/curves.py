@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roughbench.figures.curves import Curve, Quantity, curve_of
-from roughbench.report.charts import Chart, Line, content, curve_name, figure_of, line_traces
+from roughbench.report.charts import Chart, Line, Ranges, content, curve, curve_name
 from roughbench.report.looks import Look, experiment_dashes
 from roughbench.report.markup import number, with_error
 from roughbench.report.sources import Source
@@ -114,29 +114,30 @@ def curve_charts(source: Source, looks: dict[str, Look]) -> list[Chart]:
 
 def _chart(source: Source, plot: Plot, looks: dict[str, Look]) -> Chart:
     dashes = experiment_dashes(list(source.results))
-    traces: list[dict[str, Any]] = []
+    curves: list[dict[str, Any]] = []
     seen = []
     for experiment, result in source.models():
-        curve = curve_of(result, plot.quantity)
-        factor = plot.scale(result, curve.pressure)
+        own = curve_of(result, plot.quantity)
+        factor = plot.scale(result, own.pressure)
         line = Line(
-            x=curve.pressure,
-            y=curve.value * factor,
-            lower=curve.lower * factor,
-            upper=curve.upper * factor,
-            words=_hover(curve, factor, plot),
+            x=own.pressure,
+            y=own.value * factor,
+            lower=own.lower * factor,
+            upper=own.upper * factor,
+            words=_hover(own, factor, plot),
             name=curve_name(source, experiment, result),
             meta={"model": result.label, "experiment": experiment},
         )
-        traces += line_traces(line, looks[result.label], dashes[experiment])
+        curves.append(curve(line, looks[result.label], dashes[experiment]))
         seen.append(line.y)
     ranges = _ranges(np.concatenate(seen), plot)
     label = (
-        f"{_plain(plot.axis)} against p/E*, {len(traces) // 2} curves of {source.name}; "
+        f"{_plain(plot.axis)} against p/E*, {len(curves)} curves of {source.name}; "
         "the tables of the report say in numbers what they show"
     )
-    figure = figure_of(traces, "pressure p/E*", plot.axis, is_log=(True, plot.is_log))
-    return Chart(plot.key, plot.title, label, content(figure, ranges))
+    log = (True, plot.is_log)
+    text = content(curves, "pressure p/E*", plot.axis, is_log=log, ranges=ranges)
+    return Chart(plot.key, plot.title, label, text)
 
 
 def _hover(curve: Curve, factor: FloatArray, plot: Plot) -> list[str]:
@@ -158,7 +159,7 @@ def _hover(curve: Curve, factor: FloatArray, plot: Plot) -> list[str]:
     return words
 
 
-def _ranges(values: FloatArray, plot: Plot) -> dict[str, list[float] | None]:
+def _ranges(values: FloatArray, plot: Plot) -> Ranges:
     """Return what both kinds of ordinate show at first; None: everything."""
     finite = values[np.isfinite(values) & (values > 0.0)]
     if finite.size == 0:

@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from roughbench.figures.style import COLOURS
+from roughbench.figures.looks import model_colours
 from roughbench.report.sources import Source
 
-_FIRST = {"bem": "#000000", "foundation": COLOURS[0], "persson": COLOURS[1]}
-"""Colours of the three models of the paper, as in the printed figures."""
-_OTHERS = (*COLOURS[2:6], "#882255", "#7F7F7F", "#332288", "#8C6D31", "#66A61E", "#AA4499")
 _SYMBOLS = {
     "square-open": '<path d="M8.5 2.5H15.5V9.5H8.5Z" fill="white" stroke="{0}"/>',
     "circle": '<circle cx="12" cy="6" r="3.6" fill="{0}"/>',
@@ -56,17 +53,12 @@ class Look:
 def model_looks(sources: Sequence[Source]) -> dict[str, Look]:
     """Return a look for every label; equal labels look alike in all files."""
     kinds = {result.label: result.kind for source in sources for _, result in source.models()}
-    free = dict(_FIRST)
-    looks = {}
+    colours = model_colours(kinds)
     symbols = list(_SYMBOLS)
-    others = 0
-    for place, (label, kind) in enumerate(kinds.items()):
-        colour = free.pop(kind, None)
-        if colour is None:
-            colour = _OTHERS[others % len(_OTHERS)]
-            others += 1
-        looks[label] = Look(colour, symbols[place % len(symbols)])
-    return looks
+    return {
+        label: Look(colours[label], symbols[place % len(symbols)])
+        for place, label in enumerate(kinds)
+    }
 
 
 def experiment_dashes(experiments: Sequence[str]) -> dict[str, str]:

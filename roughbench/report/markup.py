@@ -8,9 +8,20 @@ import re
 from collections.abc import Iterable, Sequence
 
 _SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
-_MATH = {r"\xi": "ξ", r"\gamma": "γ", r"\bar u": "ū", r"\mathrm{rms}": "rms", r"E\!^*": "E*"}
+_MATH = {
+    r"\xi": "ξ",
+    r"\gamma": "γ",
+    r"\bar u": "ū",
+    r"\mathrm{rms}": "rms",
+    r"E\!^*": "E*",
+    r"\times": "·",
+}
 _FOLDERS = re.compile(r"(?<![\w.~/\\])(?:~|[A-Za-z]:)?[/\\](?:[^\s/\\'\",:;{}\[\]]+[/\\])+")
 """Where an absolute path begins: its folders, up to the name of the file."""
+
+
+SCROLL_WORD = '<p class="more" aria-hidden="true">more to the right: scroll sideways →</p>'
+"""Beneath what is wider than the page; the styles show it only there."""
 
 
 def escape(text: object) -> str:
@@ -64,6 +75,8 @@ def from_mathtext(text: str) -> str:
     --------
     >>> from_mathtext(r"Popov, $n = 5$"), from_mathtext("$q_r = 8$")
     ('Popov, n = 5', 'q<sub>r</sub> = 8')
+    >>> from_mathtext(r"$L = 2\times10^{-6}$")
+    'L = 2·10<sup>-6</sup>'
     """
     pieces = re.split(r"\$([^$]*)\$", text)
     return "".join(
@@ -74,7 +87,8 @@ def from_mathtext(text: str) -> str:
 def _formula(text: str) -> str:
     for name, letter in _MATH.items():
         text = text.replace(name, letter)
-    return re.sub(r"_(?:\{(\w+)\}|(\w+))", r"<sub>\1\2</sub>", escape(text))
+    text = re.sub(r"_(?:\{(\w+)\}|([a-z0-9]+))", r"<sub>\1\2</sub>", escape(text))
+    return re.sub(r"\^\{(-?\d+)\}", r"<sup>\1</sup>", text)
 
 
 def number(value: float, digits: int = 3) -> str:
@@ -185,8 +199,9 @@ def table(
     kind = "numbers" if numeric else "words"
     title = f"<caption>{caption}</caption>" if caption else ""
     return (
-        f'<div class="scroll" tabindex="0"><table class="{kind}">{title}\n'
+        f'<div class="scrolls"><div class="scroll" tabindex="0"><table class="{kind}">{title}\n'
         f"<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody></table></div>"
+        f"{SCROLL_WORD}</div>"
     )
 
 

@@ -1,4 +1,4 @@
-"""Charts of what a results file says about fields: observables, and maps of the contact."""
+"""Charts of what the fields of a results file show: its observables."""
 
 from __future__ import annotations
 
@@ -10,29 +10,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from roughbench.figures.looks import PERSSON
 from roughbench.figures.observed import DECADES
-from roughbench.report.charts import (
-    Chart,
-    Line,
-    content,
-    curve_name,
-    figure_of,
-    line_traces,
-)
+from roughbench.report.charts import Chart, Line, Ranges, content, curve, curve_name
 from roughbench.report.looks import Look, experiment_dashes
-from roughbench.report.markup import escape, number
-from roughbench.report.sources import Source, experiment_html
+from roughbench.report.sources import Source
 from roughbench.results import ModelResult
 
 FloatArray = NDArray[np.float64]
 
 MOST_PRESSURES = 8
 """Pressures at which observables are drawn; of more, some between the ends are left out."""
-MOST_MAPS = 12
-MOST_POINTS = 256
-"""Points of a map per side; finer fields are averaged over squares."""
-_THEORY = Look("#777777", "circle")
-_WHITE_TO_DARK = [[0.0, "#ffffff"], [0.004, "#dce9c8"], [0.35, "#56b48a"], [1.0, "#1d2a5e"]]
+_THEORY = Look(PERSSON.colour, "circle")
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,22 +91,22 @@ def observable_charts(source: Source, looks: dict[str, Look]) -> list[Chart]:
     charts = []
     pressures = drawn_pressures(source)
     for name, words in _OBSERVABLES.items():
-        traces = [
-            trace
+        curves = [
+            drawn
             for experiment, result in source.models()
             if f"{name}_bin" in result
             for p in pressures
-            for trace in _traces(source, experiment, result, name, p, looks[result.label])
+            for drawn in _curves(source, experiment, result, name, p, looks[result.label])
         ]
-        if traces:
-            figure = figure_of(traces, words.x, words.y, is_log=words.is_log)
+        if curves:
             label = f"{words.title} at single pressures, {source.name}"
-            drawn = content(figure, _ranges(traces))
-            charts.append(Chart(name.replace("_", "-"), words.title, label, drawn))
+            ranges = _ranges(curves)
+            text = content(curves, words.x, words.y, is_log=words.is_log, ranges=ranges)
+            charts.append(Chart(name.replace("_", "-"), words.title, label, text))
     return charts
 
 
-def _traces(
+def _curves(
     source: Source, experiment: str, result: ModelResult, name: str, pressure: float, look: Look
 ) -> Iterator[dict[str, Any]]:
     there = np.flatnonzero(np.isclose(result["pressure"], pressure, rtol=1e-9))
@@ -136,11 +125,11 @@ def _traces(
     }
     dash = experiment_dashes(list(source.results))[experiment]
     title = curve_name(source, experiment, result)
-    yield from _thin(line_traces(_line(x, y, error, title, meta), look, dash), mode="lines")
+    yield curve(_line(x, y, error, title, meta), look, dash, has_symbols=False)
     if f"{name}_persson" in result:
         theory = np.asarray(result[f"{name}_persson"], float)[k] / unit
         line = _line(x, theory, np.full_like(x, math.nan), f"Persson, beside {title}", meta)
-        yield from _thin(line_traces(line, _THEORY, "dot")[1:], mode="lines")
+        yield curve(line, _THEORY, "dot", has_symbols=False)
 
 
 def _line(
@@ -157,104 +146,10 @@ def _until_last(drawn: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return np.logical_or.accumulate(drawn[::-1])[::-1]
 
 
-def _thin(traces: list[dict[str, Any]], mode: str) -> Iterator[dict[str, Any]]:
-    for trace in traces:
-        if trace["meta"]["role"] == "curve":
-            del trace["text"], trace["marker"]
-            trace["mode"] = mode
-            trace["hovertemplate"] = f"{trace['name']}<br>%{{x:.3g}}: %{{y:.3g}}<extra></extra>"
-        yield trace
-
-
-def _ranges(traces: list[dict[str, Any]]) -> dict[str, list[float] | None]:
-    values = [
-        y
-        for trace in traces
-        if trace["meta"]["role"] == "curve"
-        for y in trace["y"]
-        if y is not None
-    ]
+def _ranges(curves: list[dict[str, Any]]) -> Ranges:
+    values = [y for drawn in curves for y in drawn["y"] if y is not None]
     if not values:
         return {"log": None, "linear": None}
     high = max(values)
     low = max(min(values), DECADES * high)
     return {"log": [math.log10(low / 2.0), math.log10(high * 2.0)], "linear": None}
-
-
-# -- fields ------------------------------------------------------------------------------
-
-
-def field_charts(source: Source) -> list[Chart]:
-    """Return maps of the contact pressure of the fields that are kept in the file."""
-    maps = []
-    for experiment, result in source.models():
-        if "field_pressure" not in result:
-            continue
-        slope = float(result.attributes["rms_slope"])
-        for k, field in enumerate(np.asarray(result["field_pressure"], float)):
-            maps.append(_map(source, experiment, result, k, np.atleast_2d(field) / slope))
-    return maps[:MOST_MAPS]
-
-
-def n_fields(source: Source) -> int:
-    """Return how many fields are kept in the file."""
-    return sum(
-        len(result["field_pressure"])
-        for _, result in source.models()
-        if "field_pressure" in result
-    )
-
-
-def _map(
-    source: Source, experiment: str, result: ModelResult, k: int, pressure: FloatArray
-) -> Chart:
-    trace = {
-        "type": "heatmap",
-        "z": _quantized(_coarse(pressure)),
-        "zmin": 0,
-        "zmax": 255,
-        "colorscale": _WHITE_TO_DARK,
-        "colorbar": {
-            "title": {"text": "σ/(E*ξ)", "side": "right"},
-            "tickvals": [0, 63.75, 127.5, 191.25, 255],
-            "ticktext": ["0", "¼", "½", "¾", "≥ 1"],
-            "thickness": 12,
-            "outlinewidth": 0,
-        },
-        "hoverinfo": "skip",
-        "meta": {"model": result.label, "experiment": experiment, "role": "map"},
-    }
-    figure = figure_of([trace], "", "", is_log=(False, False))
-    bare = {"showticklabels": False, "ticks": "", "minor": {"ticks": ""}, "showgrid": False}
-    figure.update_xaxes(**bare)
-    figure.update_yaxes(**bare)
-    if min(pressure.shape) > 1:
-        figure.update_yaxes(scaleanchor="x", constrain="domain")
-        figure.update_xaxes(constrain="domain")
-    parts = [escape(result.label)]
-    if len(source.results) > 1:
-        parts.append(experiment_html(experiment))
-    if "field_nominal_pressure" in result:
-        parts.append(f"p/E* = {number(float(result['field_nominal_pressure'][k]))}")
-    if "field_realization" in result:
-        parts.append(f"realization {int(result['field_realization'][k])}")
-    label = f"Map of the contact pressure of {result.label}, {experiment}, {source.name}"
-    key = f"field-{experiment}-{result.label}-{k}".replace("=", "-").replace(",", "-")
-    return Chart(key, ", ".join(parts), label, content(figure), has_axes=False)
-
-
-def _coarse(field: FloatArray) -> FloatArray:
-    """Return the field with at most MOST_POINTS points per side, averaged over squares."""
-    for axis in (0, 1):
-        factor = -(-field.shape[axis] // MOST_POINTS)
-        if factor > 1:
-            cut = field.shape[axis] // factor * factor
-            parts = np.moveaxis(field, axis, 0)[:cut]
-            field = np.moveaxis(parts.reshape(-1, factor, parts.shape[1]).mean(axis=1), 0, axis)
-    return field
-
-
-def _quantized(field: FloatArray) -> NDArray[np.uint8]:
-    """Return values from 0 to 1 as whole numbers from 0 to 255; whatever touches is not 0."""
-    steps = np.ceil(255.0 * np.clip(np.nan_to_num(field), 0.0, 1.0))
-    return steps.astype(np.uint8)

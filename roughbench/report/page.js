@@ -6,8 +6,75 @@
     displayModeBar: false, displaylogo: false, responsive: true, showTips: false,
     plotlyServerURL: "", topojsonURL: "",
   };
+  const ink = "#222222";
+  const font = "system-ui, -apple-system, 'Segoe UI', 'Helvetica Neue', Arial, sans-serif";
+  const axis = {
+    showline: true, linecolor: ink, linewidth: 1, mirror: true, ticks: "inside", ticklen: 5,
+    tickcolor: ink, gridcolor: "#e4e4e4", zeroline: false, exponentformat: "power",
+    showexponent: "all", minor: { ticks: "inside", ticklen: 3, tickcolor: ink },
+    automargin: true,
+  };
 
   const all = (selector, root) => [...(root ?? document).querySelectorAll(selector)];
+
+  // -- from curves to plotly's traces -----------------------------------------------------
+
+  function layout(chart) {
+    return {
+      template: "none",
+      font: { family: font, size: 12, color: ink },
+      margin: { l: 8, r: 12, t: 10, b: 8 },
+      paper_bgcolor: "white", plot_bgcolor: "white",
+      showlegend: false, hovermode: "closest", dragmode: "zoom",
+      hoverlabel: { bgcolor: "white", font: { color: ink, size: 12 } },
+      xaxis: { ...axis, title: { text: chart.x.title }, type: chart.x.type, nticks: 6 },
+      yaxis: { ...axis, title: { text: chart.y.title }, type: chart.y.type, nticks: 8 },
+    };
+  }
+
+  // The outlines of a band: one polygon for every unbroken stretch.
+  function band(curve) {
+    const outline = { x: [], y: [] };
+    for (let start = 0; start < curve.x.length; start += 1) {
+      let end = start;
+      while (end < curve.x.length && curve.lower[end] !== null && curve.upper[end] !== null) end += 1;
+      if (end - start > 1) {
+        const places = Array.from({ length: end - start }, (_, i) => start + i);
+        if (outline.x.length) { outline.x.push(null); outline.y.push(null); }
+        for (const i of places) { outline.x.push(curve.x[i]); outline.y.push(curve.upper[i]); }
+        for (const i of places.reverse()) { outline.x.push(curve.x[i]); outline.y.push(curve.lower[i]); }
+      }
+      start = Math.max(start, end);
+    }
+    const rgb = [1, 3, 5].map((i) => Number.parseInt(curve.colour.slice(i, i + 2), 16));
+    return {
+      ...outline, type: "scatter", mode: "lines", fill: "toself",
+      fillcolor: `rgba(${rgb},0.18)`, line: { width: 0, color: curve.colour },
+      hoverinfo: "skip", showlegend: false, name: curve.name, meta: { ...curve.meta, role: "band" },
+    };
+  }
+
+  function line(curve) {
+    const { colour, symbol } = curve;
+    const trace = {
+      type: "scatter", mode: symbol ? "lines+markers" : "lines", x: curve.x, y: curve.y,
+      line: { width: 1.6, color: colour, dash: curve.dash }, connectgaps: false,
+      name: curve.name, meta: { ...curve.meta, role: "curve" },
+      hovertemplate: curve.text ? `<b>${curve.name}</b><br>%{text}<extra></extra>`
+        : `${curve.name}<br>%{x:.3g}: %{y:.3g}<extra></extra>`,
+    };
+    if (curve.text) trace.text = curve.text;
+    if (symbol) {
+      const width = symbol.endsWith("open") ? 1.2 : 0;
+      trace.marker = { symbol, size: 6, color: colour, line: { width, color: colour } };
+    }
+    return trace;
+  }
+
+  const traces = (chart) => chart.curves.flatMap(
+    (curve) => (curve.lower ? [band(curve), line(curve)] : [line(curve)]));
+
+  // -- what is shown ----------------------------------------------------------------------
 
   // What is on in a file's switches: the values of its ticked boxes, and of its selects.
   function chosen(section) {
@@ -21,9 +88,6 @@
     return on.model.has(meta.model) && on.experiment.has(meta.experiment)
       && (meta.pressure === undefined || meta.pressure === on.pressure);
   }
-
-  // A map shows one state; without it, nothing is left to show.
-  const isMap = (div) => div.data[0].meta.role === "map";
 
   function setRange(axis, ranges) {
     const range = ranges?.[axis.type];
@@ -43,15 +107,15 @@
   async function draw(figure) {
     const div = figure.querySelector(".plot");
     const given = JSON.parse(figure.querySelector("script").textContent);
-    const section = figure.closest(".file");
-    const on = chosen(section);
-    for (const trace of given.data) trace.visible = isOn(trace.meta, on);
-    setRange(given.layout.yaxis, given.ranges);
-    await Plotly.newPlot(div, given.data, given.layout, config);
+    const on = chosen(figure.closest(".file"));
+    const data = traces(given);
+    for (const trace of data) trace.visible = isOn(trace.meta, on);
+    const look = layout(given);
+    setRange(look.yaxis, given.ranges);
+    await Plotly.newPlot(div, data, look, config);
     makeScalable(div);
     div.on("plotly_afterplot", () => makeScalable(div));
     connectButtons(figure, div, given.ranges);
-    figure.hidden = isMap(div) && !given.data[0].visible;
   }
 
   // Below a chart: the kind of each axis, the whole range, a file of the picture.
@@ -92,19 +156,15 @@
 
   function update(section) {
     const on = chosen(section);
+    for (const map of all("figure.map", section)) map.hidden = !isOn(map.dataset, on);
     for (const div of all(".plot", section)) {
-      if (!div.data) continue;
-      const visible = div.data.map((trace) => isOn(trace.meta, on));
-      const figure = div.closest("figure");
-      const wasHidden = figure.hidden;
-      figure.hidden = isMap(div) && !visible[0];
-      Plotly.restyle(div, { visible });
-      if (wasHidden && !figure.hidden) Plotly.Plots.resize(div);
+      if (div.data) Plotly.restyle(div, { visible: div.data.map((trace) => isOn(trace.meta, on)) });
     }
   }
 
   function connect(section) {
     section.querySelector(".switches").hidden = false;
+    for (const map of all("figure.map", section)) map.hidden = !isOn(map.dataset, chosen(section));
     section.addEventListener("change", (event) => {
       if (event.target.closest(".switches")) update(section);
     });
@@ -118,6 +178,22 @@
     }
   }
 
+  // -- the page ---------------------------------------------------------------------------
+
+  // A table wider than the page says so, until its end is reached.
+  function watchWidths() {
+    const say = (box) => {
+      box.parentElement.dataset.wide = box.scrollWidth > box.clientWidth + 1
+        ? (box.scrollLeft + box.clientWidth < box.scrollWidth - 2 ? "more" : "end") : "no";
+    };
+    const watcher = new ResizeObserver((entries) => entries.forEach((entry) => say(entry.target)));
+    for (const box of all(".scrolls > .scroll")) {
+      box.addEventListener("scroll", () => say(box), { passive: true });
+      watcher.observe(box);
+      say(box);
+    }
+  }
+
   // What is folded away on the screen is printed.
   let opened = [];
   window.addEventListener("beforeprint", () => {
@@ -128,7 +204,19 @@
     for (const details of opened) details.open = false;
   });
 
+  // A link to a claim that is folded away unfolds it.
+  function unfold() {
+    const target = location.hash.length > 1 && document.getElementById(location.hash.slice(1));
+    const details = target && target.closest("details");
+    if (!details || details.open) return;
+    details.open = true;
+    target.scrollIntoView();
+  }
+
   async function start() {
+    watchWidths();
+    addEventListener("hashchange", unfold);
+    unfold();
     for (const section of all(".file")) connect(section);
     for (const figure of all("figure.chart")) await draw(figure);
     document.documentElement.dataset.charts = "drawn";

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from roughbench.errors import StoreError
-from roughbench.figures.words import experiment_label
+from roughbench.figures.words import experiment_label, smallest_wavevector, titles
 from roughbench.report.markup import escape, from_mathtext
 from roughbench.results import ModelResult, Results
 from roughbench.store import load
@@ -31,6 +30,15 @@ class Source:
     def models(self) -> Iterator[tuple[str, ModelResult]]:
         """Yield every (experiment, result), in the order of the spec."""
         return self.results.models()
+
+    def experiment(self, name: str) -> str:
+        """Return how an experiment is called on the page, as HTML."""
+        return experiment_html(name, smallest_wavevector(self.results, name))
+
+    def title(self, label: str) -> str:
+        """Return what a model is called on the page: its title, which tells it from others."""
+        found = {result.label: result for _, result in self.models()}
+        return titles(found)[label]
 
     def has(self, reference: str | None) -> str | None:
         """Return a label if all experiments have a model of this name, else None."""
@@ -80,16 +88,31 @@ def _name(own: tuple[str, ...], others: Sequence[tuple[str, ...]]) -> str:
     return "/".join(own[-length:])
 
 
-def experiment_html(experiment: str) -> str:
+def experiment_html(experiment: str, q_min: float | None = None) -> str:
     r"""Return the name of an experiment as HTML, ``main`` for the only one.
+
+    Other wavevectors are divided by ``q_min``, q0, where it is known.
 
     Examples
     --------
     >>> experiment_html("surface.length=12.566370614359172")
     'L\xa0=\xa012.5664'
     """
-    label = re.sub(r"\d+\.\d{5,}", lambda found: f"{float(found[0]):.6g}", experiment)
-    return from_mathtext(experiment_label(label)).replace(" = ", "\xa0=\xa0") or "main"
+    label = experiment_label(experiment, q_min)
+    return from_mathtext(label).replace(" = ", "\xa0=\xa0") or "main"
+
+
+def full_places(sources: Sequence[Source]) -> dict[str, str]:
+    """Return what warnings call a model, always with its file → the same as HTML."""
+    return {
+        f"{source.name}: {experiment}/{result.label}": ", ".join(
+            [escape(source.name)]
+            + [source.experiment(experiment)] * (len(source.results) > 1)
+            + [escape(source.title(result.label))]
+        )
+        for source in sources
+        for experiment, result in source.models()
+    }
 
 
 def places(sources: Sequence[Source]) -> dict[str, str]:
@@ -97,9 +120,9 @@ def places(sources: Sequence[Source]) -> dict[str, str]:
     found = {}
     for source in sources:
         for experiment, result in source.models():
-            words = [experiment_html(experiment)] * (len(source.results) > 1)
+            words = [source.experiment(experiment)] * (len(source.results) > 1)
             words += [escape(source.name)] * (len(sources) > 1)
-            text = escape(result.label)
+            text = escape(source.title(result.label))
             if words:
                 text += f', <span class="muted">{", ".join(words)}</span>'
             name = f"{experiment}/{result.label}"

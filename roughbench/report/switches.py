@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from roughbench.report.looks import Look, dash_sample, experiment_dashes, model_sample
 from roughbench.report.markup import escape, muted, number
 from roughbench.report.observables import drawn_pressures, pressure_key
-from roughbench.report.sources import Source, experiment_html
+from roughbench.report.sources import Source
 
 MOST_CURVES = 8
 """Curves that a chart shows at first with all experiments; of more, the first experiment."""
@@ -15,7 +15,7 @@ MOST_CURVES = 8
 
 def switches(source: Source, looks: dict[str, Look]) -> str:
     """Return the legend, which is also where models and experiments are chosen."""
-    titles = {result.label: result.title for _, result in source.models()}
+    titles = {result.label: source.title(result.label) for _, result in source.models()}
     models = "".join(
         _switch("model", label, model_sample(looks[label]), _model_words(label, title))
         for label, title in titles.items()
@@ -29,12 +29,12 @@ def switches(source: Source, looks: dict[str, Look]) -> str:
                 "experiment",
                 name,
                 dash_sample(dash),
-                experiment_html(name),
+                source.experiment(name),
                 on=place == 0 or not many,
             )
             for place, (name, dash) in enumerate(dashes.items())
         )
-        parts.append(_fieldset("Experiments", experiments, len(dashes)))
+        parts.append(_fieldset("Sweep", experiments, len(dashes)))
     else:
         parts += [
             f'<input type="checkbox" name="experiment" value="{escape(name)}" checked hidden>'
@@ -54,13 +54,13 @@ def _pressure_select(pressures: Sequence[float]) -> str:
         for k, p in enumerate(pressures)
     )
     return (
-        "<fieldset><legend>Observables</legend><label>at the pressure p/E* = "
+        "<fieldset><legend>Pressure</legend><label>of what happens inside the contact: p/E* = "
         f'<select name="pressure">{options}</select></label></fieldset>'
     )
 
 
 def _model_words(label: str, title: str) -> str:
-    return f"{escape(label)} {muted(title)}"
+    return f"{escape(title)} {muted(label)}"
 
 
 def _fieldset(legend: str, switches: str, count: int) -> str:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import PurePosixPath
 
-from roughbench.fits import Estimate, reference_of
 from roughbench.fits.tables import Cell, Table, departure_tables, law_tables
 from roughbench.report.markup import (
     escape,
@@ -19,11 +18,10 @@ from roughbench.report.markup import (
     with_error,
     without_folders,
 )
-from roughbench.report.sources import Source, experiment_html
+from roughbench.report.sources import Source
 from roughbench.report.warnings import is_random
 from roughbench.results import Attribute, ModelResult
-
-Fits = Mapping[str, Mapping[str, Mapping[str, Estimate]]]
+from roughbench.verdict import Case
 
 _SURFACE = {
     "hurst": "H",
@@ -34,6 +32,8 @@ _SURFACE = {
     "rms_height": "h<sub>rms</sub>",
     "length": "L",
 }
+_SPEC_NAMES = {"below_rolloff": "below_qr"}
+"""Attribute of the results → key of the spec, where they differ."""
 _NOT_OPTIONS = {*_SURFACE, "surface", "seed", "grid_points"}
 
 
@@ -52,7 +52,7 @@ def compared(sources: Sequence[Source]) -> str:
         )
         for source in sources
     ]
-    headings = ("File, run", "Surfaces", "Experiments", "Models", "Pressures p/E*")
+    headings = ("File, run", "Surfaces", "Sweep", "Models", "Pressures p/E*")
     return table(headings, rows, numeric=False)
 
 
@@ -72,8 +72,9 @@ def _file_name(path: Attribute) -> str:
 
 
 def _experiments(source: Source) -> str:
-    names = [experiment_html(name) for name in source.results]
-    return "; ".join(names)
+    if len(source.results) == 1:
+        return "–"
+    return "; ".join(source.experiment(name) for name in source.results)
 
 
 def _models(source: Source) -> str:
@@ -96,8 +97,9 @@ def _counted(models: Sequence[ModelResult]) -> str:
     counts = series([model.n_realizations for model in models])
     points = [int(m.attributes["grid_points"]) for m in models if "grid_points" in m.attributes]
     size = f" of {series(points, 6)} points a side" if points else ""
+    kind = "line" if models[0].attributes.get("dimension") == 1 else "surface"
     plural = "" if counts == "1" else "s"
-    return f", {counts} realization{plural}{size}"
+    return f", {counts} {kind}{plural}{size}"
 
 
 def _pressures(source: Source) -> str:
@@ -108,52 +110,49 @@ def _pressures(source: Source) -> str:
 # -- fits --------------------------------------------------------------------------------
 
 
-def fit_tables(source: Source, fitted: Fits, reference: str | None) -> str:
+def fit_tables(source: Source, cases: Sequence[Case]) -> str:
     """Return the tables of ``roughbench fit``, for every experiment of a file.
 
     Parameters
     ----------
     source : Source
-    fitted : mapping
-        By experiment, label and name.
-    reference : str or None
-        Label of the model that the others are held against, if one was named.
+    cases : sequence of Case
+        Its experiments, with their fits.
     """
     blocks = []
-    for experiment, models in fitted.items():
-        kept = dict(source.results[experiment])
-        title = f"{escape(source.name)}: {experiment_html(experiment)}"
+    for case in cases:
+        title = f"{escape(source.name)}: {source.experiment(case.experiment)}"
         blocks.append(f"<h3>{title}</h3>")
-        blocks += [_fit_table(fits) for fits in law_tables(models)]
-        label = reference_of(kept, reference)
-        others = [name for name in models if name != label]
-        ranges = list(departure_tables(models, others)) if label is not None else []
-        if label is not None and ranges:
-            blocks.append(_departures(ranges, label, kept[label].title))
+        blocks += [_fit_table(source, fits) for fits in law_tables(case.fits)]
+        if case.reference is None:
+            continue
+        others = [name for name in case.fits if name != case.reference]
+        if ranges := list(departure_tables(case.fits, others)):
+            blocks.append(_departures(source, ranges, case.reference))
     return "\n".join(blocks)
 
 
-def _fit_table(fits: Table) -> str:
+def _fit_table(source: Source, fits: Table) -> str:
     headings = ("Model", *(_symbols(heading) for heading in fits.headings))
     rows = [
-        (escape(label), *(_cell(cell) for cell in cells)) for label, cells in fits.rows.items()
+        (escape(source.title(label)), *(_cell(cell) for cell in cells))
+        for label, cells in fits.rows.items()
     ]
     return table(headings, rows, caption=_symbols(fits.title))
 
 
-def _departures(ranges: Sequence[Table], label: str, title: str) -> str:
+def _departures(source: Source, ranges: Sequence[Table], reference: str) -> str:
     headings = ("Model", *(_symbols(fits.title) for fits in ranges))
     labels = dict.fromkeys(name for fits in ranges for name in fits.rows)
     rows = [
         (
-            escape(name),
+            escape(source.title(name)),
             *(_range(fits.rows[name]) if name in fits.rows else "–" for fits in ranges),
         )
         for name in labels
     ]
-    caption = (
-        f"Pressures p/E* between which a model agrees with {escape(label)} ({escape(title)})"
-    )
+    exact = escape(source.title(reference))
+    caption = f"Pressures p/E* between which a model agrees with {exact}"
     return table(headings, rows, caption=caption)
 
 
@@ -184,10 +183,11 @@ def provenance(source: Source) -> str:
     name = escape(results.name or "spec")
     file = escape(source.name.split("/")[-1])
     facts = {
-        "run": escape(results.name),
-        "spec_sha256": f'<code class="hash">{escape(results.spec_sha256)}</code>',
-        "compute it again": f"save the spec below as <code>{name}.yaml</code>, then "
+        "Name of the run": escape(results.name),
+        "Compute it again": f"save the spec below as <code>{name}.yaml</code>, then "
         f"<code>roughbench run {name}.yaml -o {file}</code>",
+        "Fingerprint": f'<code class="hash">{escape(results.spec_sha256)}</code>, equal for '
+        "equal specs (<code>spec_sha256</code> in the results file)",
     }
     listed = "".join(
         f"<div><dt>{fact}</dt><dd>{text}</dd></div>" for fact, text in facts.items()
@@ -214,7 +214,7 @@ def _model_table(source: Source) -> str:
         )
         for label, models in found.items()
     ]
-    headings = ("Model", "kind", "title", "realizations", "seed", "parameters")
+    headings = ("Name in the spec", "kind", "Model", "realizations", "seed", "options")
     return table(headings, rows, numeric=False)
 
 
@@ -222,7 +222,7 @@ def _options(models: Sequence[ModelResult]) -> Iterator[str]:
     names = dict.fromkeys(name for model in models for name in model.attributes)
     for name in names:
         if name not in _NOT_OPTIONS:
-            yield f"{escape(name)} {_values(models, name)}"
+            yield f"{escape(_SPEC_NAMES.get(name, name))} {_values(models, name)}"
 
 
 def _values(models: Sequence[ModelResult], name: str) -> str:

@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 
-from roughbench.report.markup import escape, prose, with_error
+from roughbench.models import MODELS
+from roughbench.report.markup import escape, number, prose, with_error
 from roughbench.verdict import Measurement, Outcome, Verdict
 
+_SPEC_WORDS = re.compile(
+    r"((?:sweep|observables): (?:\{[^}]*\}|\[[^\]]*\])|\bsurface\.\w+|\bq[r01]\b|"
+    rf"\b(?:{'|'.join(MODELS)})\b)"
+)
+"""What stands in specs: two keys with their values, wavevectors, kinds of models."""
 MOST_OPEN = 12
 """Measurements of a claim that are shown at once; longer lists unfold."""
 _SYMBOLS = {
@@ -48,7 +55,7 @@ def summary(verdicts: Sequence[Verdict]) -> str:
 
 
 def verdict_table(verdicts: Sequence[Verdict], places: Mapping[str, str]) -> str:
-    """Return the table of all claims, one row each.
+    """Return the table of all claims that the results test, and one line on the others.
 
     Parameters
     ----------
@@ -56,9 +63,23 @@ def verdict_table(verdicts: Sequence[Verdict], places: Mapping[str, str]) -> str
     places : mapping of str to str
         See :func:`roughbench.report.sources.places`.
     """
-    rows = "\n".join(
-        _row(number, verdict, places) for number, verdict in enumerate(verdicts, 1)
-    )
+    numbered = list(enumerate(verdicts, 1))
+    tested = [(n, v) for n, v in numbered if v.outcome is not Outcome.NOT_TESTED]
+    others = [(n, v) for n, v in numbered if v.outcome is Outcome.NOT_TESTED]
+    parts = [_table(tested, places)] * bool(tested)
+    if others:
+        some = "One claim" if len(others) == 1 else f"{len(others)} claims"
+        claims = ", ".join(str(number) for number, _ in others)
+        parts.append(
+            f'<details class="untested"><summary>{some} cannot be tested on these results '
+            f"(No. {claims}). Which, and what would test them</summary>"
+            f"{_table(others, places)}</details>"
+        )
+    return "\n".join(parts)
+
+
+def _table(numbered: Sequence[tuple[int, Verdict]], places: Mapping[str, str]) -> str:
+    rows = "\n".join(_row(number, verdict, places) for number, verdict in numbered)
     return (
         '<table class="verdicts"><thead><tr><th scope="col">No.</th>'
         '<th scope="col">Claim, and how it is decided</th><th scope="col">Measured</th>'
@@ -77,12 +98,24 @@ def _row(number: int, verdict: Verdict, places: Mapping[str, str]) -> str:
     )
 
 
+def spec_words(text: str) -> str:
+    """Return what a spec needs, as HTML: keys and kinds of a spec set as code.
+
+    Examples
+    --------
+    >>> spec_words("a spec with bem and qr = 8 q0")
+    'a spec with <code>bem</code> and <code>qr</code> = 8 <code>q0</code>'
+    """
+    text = re.sub(r"(?<![\w.])\d(?:\.\d+)?e[-+]\d+(?!\w)", lambda m: number(float(m[0])), text)
+    return _SPEC_WORDS.sub(r"<code>\1</code>", escape(text))
+
+
 def _measured(number: int, verdict: Verdict, places: Mapping[str, str]) -> str:
     remedy = ""
     if verdict.remedy:
         remedy = (
             '<p class="remedy"><span class="lead">To test it:</span> '
-            f"{prose(verdict.remedy)}</p>"
+            f"{spec_words(verdict.remedy)}</p>"
         )
     if not verdict.measurements:
         return remedy or "<p>–</p>"

@@ -44,7 +44,7 @@ ABOUT = {
     "pressures. The figures show medians with 16 % and 84 % quantiles there; of models other "
     "than the exact one, throughout.",
     "Models without randomness": "They are computed from the spectrum, or from given heights: "
-    "there is no standard error and no bootstrap error.",
+    "their curves have no standard error.",
 }
 """Topic → what it means, in plain text."""
 

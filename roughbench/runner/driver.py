@@ -13,6 +13,7 @@ from roughbench.outputs import Kind, check_output, write_output
 from roughbench.publish import make_folder
 from roughbench.results import ModelResult, Results
 from roughbench.runner.assemble import assemble
+from roughbench.runner.bar import reported
 from roughbench.runner.checkpoint import Checkpoint
 from roughbench.runner.cluster import Cluster
 from roughbench.runner.dask_engine import compute_on_cluster
@@ -43,7 +44,7 @@ def run(
     jobs: int | None = 1,
     threads: int | None = None,
     overrides: Sequence[str] = (),
-    progress: Report | None = None,
+    progress: Report | bool | None = None,
     force: bool = False,
     keep_going: bool = False,
     only: Sequence[str] = (),
@@ -71,8 +72,9 @@ def run(
         are the same to the bit for every ``jobs``.
     overrides : sequence of str
         ``key=value`` each, as ``--set`` on the command line.
-    progress : callable, optional
-        Called with a :class:`~roughbench.runner.Progress` whenever something is done.
+    progress : callable or bool, optional
+        Called with a :class:`~roughbench.runner.Progress` whenever something is done; True: a
+        line of text on standard error, in a notebook as well.
     force : bool
         Compute everything again, and replace the results of another spec.
     keep_going : bool
@@ -136,14 +138,18 @@ def run(
     with folder.locked(command or "a Python script") if folder else contextlib.nullcontext():
         if folder is not None:
             logs.append(folder.log)
-        with logged_to(logs), _told(folder, command) as desk:
+        with (
+            logged_to(logs),
+            _told(folder, command) as desk,
+            reported(progress) as report,
+        ):
             if folder is not None and changed:
                 log.warning("%s", changed)
             stocks = _take_stock(cells, limits, folder, force=force)
             if folder is not None:
                 folder.write_request(_request(resolved, stocks, command))
             tasks = select(stocks, only, parts=limits.parts)
-            desk.open(stocks, tasks, progress, keep_going=keep_going)
+            desk.open(stocks, tasks, report, keep_going=keep_going)
             _compute(tasks, limits, cluster, desk, folder)
             desk.finish()
             _sum_up(stocks)

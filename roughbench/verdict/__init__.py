@@ -29,11 +29,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from roughbench.fits import RESAMPLES
-from roughbench.verdict.cases import Source, cases_of
+from roughbench.verdict.cases import Case, Source, cases_of
 from roughbench.verdict.claims import ANOTHER, CLAIMS, FOLLOWS, Measurement
 from roughbench.verdict.rules import Outcome
 
-__all__ = ["ANOTHER", "FOLLOWS", "Measurement", "Outcome", "Verdict", "judge"]
+__all__ = [
+    "ANOTHER",
+    "FOLLOWS",
+    "Case",
+    "Measurement",
+    "Outcome",
+    "Verdict",
+    "cases_of",
+    "judge",
+    "judge_cases",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +106,24 @@ def judge(
     ValueError
         If there are fewer than two resamples.
     """
-    cases = cases_of(sources, reference, resamples)
+    return judge_cases(cases_of(sources, reference, resamples), resamples)
+
+
+def judge_cases(cases: Sequence[Case], resamples: int = RESAMPLES) -> list[Verdict]:
+    """Hold fitted results against every claim of the paper.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+        As :func:`cases_of` returns them.
+    resamples : int
+        As it was given to it.
+
+    Returns
+    -------
+    list of Verdict
+        One a claim, in the paper's order.
+    """
     verdicts = []
     for claim in CLAIMS:
         found = tuple(claim.measure(cases, resamples))

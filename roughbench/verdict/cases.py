@@ -22,6 +22,8 @@ class Case:
 
     Attributes
     ----------
+    source, experiment : str
+        Where it comes from.
     place : str
         Experiment, after its source where there are several.
     models : mapping of str to ModelResult
@@ -31,6 +33,8 @@ class Case:
         Label of the exact solution.
     """
 
+    source: str
+    experiment: str
     place: str
     models: Mapping[str, ModelResult]
     fits: Mapping[str, Mapping[str, Estimate]]
@@ -80,7 +84,7 @@ def cases_of(sources: Sequence[Source], reference: str | None, resamples: int) -
             alone = Results({experiment: models}, results.spec_text, results.spec_sha256)
             fits = fit(alone, reference=label, resamples=resamples)[experiment]
             place = experiment if len(sources) == 1 else f"{name}: {experiment}"
-            cases.append(Case(place, dict(models), fits, label))
+            cases.append(Case(name, experiment, place, dict(models), fits, label))
     labels = dict.fromkeys(label for case in cases for label in case.models)
     if reference is not None and reference not in labels:
         raise StoreError(f"no model is named {reference!r}; choose one of {', '.join(labels)}")

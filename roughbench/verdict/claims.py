@@ -389,7 +389,7 @@ _ANOTHER = f"at least {ANOTHER:g} (fails up to {FOLLOWS:g})"
 
 def _within(name: str, wanted: str) -> str:
     law = "A ∼ p" if name == "area" else "K ∼ p"
-    unit = "" if name == "area" else ", each with its own realized h_rms,"
+    unit = "" if name == "area" else ", each with the rms height of its own surfaces,"
     return (
         f"factor between the model's {_SYMBOLS[name]} and the exact one{unit} where the exact "
         f"solution has {law}: {wanted}"
@@ -556,7 +556,7 @@ CLAIMS = (
             "abstract; the test is ours",
             "The foundation fails because it neglects the long-range elastic coupling: "
             f"springs without coupling are off in {words} on the surface itself as well.",
-            f"winkler (independent springs under the surface): {_within(name, _ANOTHER)}",
+            f"Winkler’s independent springs, under the surface: {_within(name, _ANOTHER)}",
             _WITH.format("winkler"),
             _factor(_TO_DIFFER, name, "winkler"),
         )
@@ -568,7 +568,7 @@ CLAIMS = (
             "discussion; the test is ours",
             "The reduced dimension is not the problem: a line with elastic coupling follows "
             f"the surface in {words}.",
-            f"line (the exact solution of a line): {_within(name, _FOLLOWS)}",
+            f"the exact solution of a line: {_within(name, _FOLLOWS)}",
             _WITH.format("line"),
             _factor(_TO_FOLLOW, name, "line"),
         )
@@ -578,8 +578,8 @@ CLAIMS = (
         "below-rolloff",
         "Fig. 2",
         "Whether the spectrum is flat or zero below the roll-off hardly matters.",
-        "factor between the exact curves of both, each with its own realized h_rms, where "
-        "A ∼ p or K ∼ p: at most 1.2",
+        "factor between the exact curves of both, each with the rms height of its own "
+        "surfaces, where A ∼ p or K ∼ p: at most 1.2",
         "a spec with bem and sweep: {surface.below_qr: [rolloff, cutoff]}",
         _below_rolloff,
     ),
@@ -595,8 +595,8 @@ CLAIMS = (
         "overlap-correlation",
         "discussion",
         "Without coupling, where the bodies overlap, the contact is correlated as q^−(2+H).",
-        "exponent of the contact spectrum of winkler where the exact A/A₀ is about 1 %: "
-        "−(2+H) ± 0.2",
+        "exponent of the contact spectrum of Winkler’s springs where the exact A/A₀ is about "
+        "1 %: −(2+H) ± 0.2",
         _WITH.format("winkler and observables: [contact_spectrum]"),
         _correlation("winkler", "contact_spectrum", lambda h: -(2.0 + h), "−(2+H)"),
     ),
@@ -604,8 +604,8 @@ CLAIMS = (
         "overlap-stress",
         "beyond the paper",
         "The stress of independent springs is correlated as q^−(2+2H).",
-        "exponent of the stress spectrum of winkler where the exact A/A₀ is about 1 %: "
-        "−(2+2H) ± 0.2",
+        "exponent of the stress spectrum of Winkler’s springs where the exact A/A₀ is about "
+        "1 %: −(2+2H) ± 0.2",
         _WITH.format("winkler and observables: [stress_spectrum]"),
         _correlation("winkler", "stress_spectrum", lambda h: -(2.0 + 2.0 * h), "−(2+2H)"),
     ),

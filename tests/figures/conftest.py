@@ -73,6 +73,7 @@ def make() -> Make:
             "hurst": 0.7,
             "rms_height": height,
             "length": 6.28,
+            "q_min": 1.0,
         }
         return ModelResult(label or kind, kind, TITLES[kind], known | attributes, variables)
 

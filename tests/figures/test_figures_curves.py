@@ -9,9 +9,11 @@ import pytest
 from matplotlib.figure import Figure
 
 from roughbench.figures.curves import curve_of, full_contact_pressure
-from roughbench.figures.looks import experiment_colours, looks
-from roughbench.figures.words import experiment_label, height_label, model_names
+from roughbench.figures.looks import experiment_shades, looks
+from roughbench.figures.words import experiment_label, height_remark, model_names
 from roughbench.models import MODELS
+from roughbench.report.looks import model_looks
+from roughbench.report.sources import Source
 from roughbench.results import ModelResult, Results
 
 Make = Callable[..., ModelResult]
@@ -97,6 +99,15 @@ def test_all_contenders_and_their_variants_are_told_apart(make: Make, collect: C
     assert len(one_of_each) == len(MODELS)
 
 
+def test_figures_and_reports_have_one_colour_for_a_model(make: Make, collect: Collect) -> None:
+    models = [make(kind, label=f"{kind}{i}") for kind in MODELS for i in range(2)]
+    results = collect(*models)
+    printed, shown = looks(results), model_looks([Source("r.h5", results)])
+    assert {name: look.colour for name, look in printed.items()} == {
+        name: look.colour for name, look in shown.items()
+    }
+
+
 def test_a_theory_has_no_number_of_realizations(make: Make, collect: Collect) -> None:
     theory = make("winkler", n=1, label="theory")
     counted = make("winkler", n=1, label="one", grid_points=64)
@@ -144,23 +155,29 @@ def test_names_tell_parameters_and_numbers(make: Make, collect: Collect) -> None
     ("name", "label"),
     [
         ("main", ""),
-        ("surface.qr=8.0", "$q_r = 8$"),
-        ("surface.H=0.75,surface.q1=128.0", "$H = 0.75$, $q_1 = 128$"),
+        ("surface.qr=8.0", "$q_r/q_0 = 4$"),
+        ("surface.H=0.75,surface.q1=128.0", "$H = 0.75$, $q_1/q_0 = 64$"),
+        ("surface.length=12.566370614359172", "$L = 12.5664$"),
+        ("surface.rms_height=2.5e-07", r"$h_\mathrm{rms} = 2.5\times10^{-7}$"),
         ("surface.below_qr=cutoff", "below_qr = cutoff"),
         ("seed=3", "seed = 3"),
         ("rough", "rough"),
     ],
 )
 def test_experiments_are_called_by_their_symbols(name: str, label: str) -> None:
-    assert experiment_label(name) == label
+    assert experiment_label(name, 2.0) == label
 
 
-def test_each_experiment_has_its_colour() -> None:
-    assert experiment_colours(["main"]) == {}
+def test_without_q0_a_wavevector_is_what_the_spec_says() -> None:
+    assert experiment_label("surface.qr=8.0") == "$q_r = 8$"
+
+
+def test_each_experiment_has_its_shade() -> None:
+    assert experiment_shades(["main"]) == {"main": 0.0}
     for n in (2, 7, 8, 30):
-        assert len(set(experiment_colours([f"e{i}" for i in range(n)]).values())) == n
+        assert len(set(experiment_shades([f"e{i}" for i in range(n)]).values())) == n
 
 
 def test_the_rms_height_is_named(make: Make, collect: Collect) -> None:
-    assert "spectrum, continuum" in height_label(collect(make()))
-    assert "given heights" in height_label(collect(make(surface="file")))
+    assert "of the spectrum (continuum)" in height_remark(collect(make()))
+    assert "given heights" in height_remark(collect(make(surface="file")))

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 import roughbench as rb
 from roughbench.figures import departures
 from roughbench.figures.curves import curve_of
+from roughbench.figures.looks import experiment_shades, lighter, looks
 from roughbench.figures.pressed import WINDOW, choose_window, press
 from roughbench.figures.separation import FLOOR
 from roughbench.figures.spectrum import RINGS_PER_DECADE, realized_spectrum
@@ -74,6 +75,44 @@ def test_both_halves_of_fig_3_are_those_of_its_parts(computed: Results, draw: Dr
             (a,), (b,) = by_gid(whole, gid), by_gid(part, gid)
             np.testing.assert_array_equal(a.get_xydata(), b.get_xydata())
             assert a.get_color() == b.get_color()
+
+
+@pytest.mark.parametrize("name", ["area", "separation", "stiffness"])
+def test_the_colour_is_the_models_and_the_shade_the_experiments(
+    computed: Results, draw: Draw, name: str
+) -> None:
+    chosen = looks(computed)
+    shades = experiment_shades(list(computed))
+    if name == "stiffness":
+        shades = dict.fromkeys(computed, 0.0)  # a panel each
+    figure = draw(computed, name)
+    for experiment, result in computed.models():
+        (line,) = by_gid(figure, f"{experiment}/{result.label}/{name}")
+        assert line.get_color() == lighter(chosen[result.label].colour, shades[experiment])
+
+
+@pytest.mark.parametrize("name", ["area", "separation", "stiffness"])
+def test_a_band_that_reaches_zero_does_not_move_the_axis(
+    make: Make, collect: Collect, draw: Draw, name: str
+) -> None:
+    for kind in ("bem", "foundation"):
+        result = make(kind, height=1.0)
+        mean = result[f"{name}_mean"]
+        wide = {f"{name}_sem": np.array([1.0, 1.5, 0.5, 1.0 - 1e-15]) * mean}
+        results = collect(replace(result, variables={**result.variables, **wide}))
+        bottom, top = draw(results, name).axes[0].get_ylim()
+        assert bottom == pytest.approx(mean.min() / 2.0)
+        assert top == pytest.approx(2.0 * mean.max())
+
+
+@pytest.mark.parametrize("name", ["area", "separation", "stiffness", "fig3"])
+def test_full_contact_of_all_realizations_is_no_fault(
+    make: Make, collect: Collect, draw: Draw, name: str
+) -> None:
+    """Warnings and floating-point errors raise here."""
+    stiffness = np.array([[1.0, 2.0, np.inf, np.inf], [2.0, 3.0, 4.0, np.inf], [4.0] * 4])
+    stiffness[2, 3] = np.inf
+    draw(collect(*(make(kind, stiffness=stiffness) for kind in ("bem", "foundation"))), name)
 
 
 def test_bars_and_bands_are_the_standard_errors(
@@ -230,7 +269,7 @@ def test_heights_from_a_file_have_no_hurst_exponent(
     figure = draw(collect(replace(given, attributes=known)), "stiffness")
     assert "slope 1" in words(figure)
     assert r"slope $1/(1+H)$" not in words(figure)
-    assert any("of the given heights" in word for word in words(figure))
+    assert any("rms height of the given heights" in word for word in words(figure))
 
 
 def test_stiffness_beyond_the_ceiling_is_cut(make: Make, collect: Collect, draw: Draw) -> None:
@@ -246,7 +285,7 @@ def test_states_that_did_not_converge_are_reported(
     status[0, :2] = 1, 2
     groups = {"one": [make("bem", status=status)], "two": [make("bem"), make()]}
     for name in ("area", "separation", "stiffness", "fig3"):
-        text = words(draw(collect(experiments=groups), name))
+        text = "\n".join(words(draw(collect(experiments=groups), name))).splitlines()
         remark = "Exact (BEM): 2 of 24 states did not converge and are left out."
         assert [word for word in text if "converge" in word] == [remark]
     assert not any("converge" in word for word in words(draw(collect(make()), "area")))
@@ -270,7 +309,7 @@ def test_each_experiment_has_a_panel_in_fig_4(make: Make, collect: Collect, draw
         assert len(figure.axes) == n
         titles = [axes.get_title(loc="left") for axes in figure.axes]
         assert titles == (
-            [""] if n == 1 else [f"({'abcde'[i]})  $q_r = {i + 1}$" for i in range(n)]
+            [""] if n == 1 else [f"({'abcde'[i]})  $q_r/q_0 = {i + 1}$" for i in range(n)]
         )
 
 
@@ -292,7 +331,14 @@ def test_the_spectrum_and_its_wavevectors(computed: Results, draw: Draw) -> None
         assert (q.min(), q.max()) == (pytest.approx(1.0), pytest.approx(32.0, rel=0.1))
     text = words(figure)
     assert {"$q_0 = q_r$", "$q_r$", "$q_1$"} <= set(text)
-    assert r"$\propto q^{-2(1+H)}$, $H = 0.7$" in text
+    assert r"$\propto q^{-2(1+H)}$, $H = 0.7$ above $q_r$" in text
+
+
+def test_a_swept_hurst_exponent_is_in_no_label(small_spec: dict[str, Any], draw: Draw) -> None:
+    small_spec["sweep"] = {"surface.H": [0.5, 0.9]}
+    text = legend_words(draw(rb.run(small_spec), "spectrum"))
+    assert r"$\propto q^{-2(1+H)}$ above $q_r$" in text
+    assert [word for word in text if "$H = " in word] == ["$H = 0.5$", "$H = 0.9$"]
 
 
 def test_a_single_rolloff_is_compared_with_none(small_spec: dict[str, Any], draw: Draw) -> None:
@@ -424,6 +470,13 @@ def test_no_text_overlaps_another_or_leaves_the_figure(
     figure = draw(results, name)
     with publication_style():  # fonts are looked up when text is measured
         written = boxes(figure)
+        places = [legend.get_window_extent() for legend in figure.legends]
+    assert all(axes.get_legend() is None for axes in figure.axes)
+    for place, axes in itertools.product(places, figure.axes):  # off the data
+        assert not place.overlaps(axes.get_window_extent())
+    for axes in figure.axes:  # which rms height stands below, not on an axis
+        assert "continuum" not in axes.get_ylabel()
+        assert "\n" not in axes.get_ylabel()
     assert len(written) >= 3
     for text, box in written:
         assert box.x0 >= -0.5, text

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from roughbench import figures
 from roughbench.errors import StoreError
 from roughbench.figures.contact import MOST_GROUPS, ContactMap, contact_maps
+from roughbench.figures.looks import PERSSON, Look, looks
 from roughbench.figures.observed import DECADES, MOST_PANELS, Line, panels
 from roughbench.figures.style import publication_style
 from roughbench.observables import OBSERVABLES
@@ -23,11 +24,13 @@ from roughbench.results import Results
 from roughbench.variables import variable_of
 
 X = np.geomspace(1.0, 100.0, 5)
+LOOKS = {"A": Look("", (), "#000000", 1), "B": Look("", (3, 1), "#009E73", 1)}
 
 
 def line(title: str, scale: float = 1.0, *, theory: bool = False) -> Line:
     y = scale * X**-2.0
-    return Line(title, X, y, 0.1 * y, is_theory=theory)
+    look = PERSSON if theory else LOOKS[title]
+    return Line(title, X, y, 0.1 * y, look, is_theory=theory)
 
 
 def drawn(figure: Figure) -> Figure:
@@ -64,7 +67,7 @@ def test_curves_hold_the_values_and_keep_their_looks() -> None:
 def test_what_a_logarithmic_axis_cannot_show_is_left_out() -> None:
     y = np.array([math.nan, 0.0, 1.0, 1e-9, 2.0])
     with publication_style():
-        figure = drawn(panels({"": [Line("A", X, y, 2 * y)]}, "q", "C"))
+        figure = drawn(panels({"": [Line("A", X, y, 2 * y, LOOKS["A"])]}, "q", "C"))
     (axes,) = figure.axes
     (found,) = axes.get_lines()
     np.testing.assert_array_equal(found.get_ydata(), [1.0, 1e-9, 2.0])
@@ -88,6 +91,7 @@ def test_of_many_pressures_four_are_drawn_ends_included(observed: Results) -> No
         found = lines[main[label].title]
         mean = main[label]["pressure_pdf_mean"][-1]
         np.testing.assert_array_equal(found.get_ydata(), mean[mean > 0.0])
+        assert found.get_color() == looks(observed)[label].colour
 
 
 def test_a_line_stands_for_its_surface(observed: Results) -> None:
@@ -112,8 +116,8 @@ def test_two_experiments_have_panels_of_their_own(observed: Results) -> None:
     with publication_style():
         figure = drawn(figures.FIGURES["clusters"].draw(twice))
     heads = [axes.get_title(loc="left") for axes in figure.axes]
-    assert ["q_r = 1" in head for head in heads] == [True, True, False, False]
-    assert ["q_r = 4" in head for head in heads] == [False, False, True, True]
+    assert ["q_r/q_0 = 1" in head for head in heads] == [True, True, False, False]
+    assert ["q_r/q_0 = 4" in head for head in heads] == [False, False, True, True]
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])

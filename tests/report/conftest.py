@@ -11,11 +11,10 @@ import numpy as np
 import pytest
 
 import roughbench as rb
-from roughbench.fits import fit
 from roughbench.report.page import Content, render
 from roughbench.report.sources import Source
 from roughbench.results import ModelResult, Results
-from roughbench.verdict import Measurement, Outcome, Verdict
+from roughbench.verdict import Measurement, Outcome, Verdict, cases_of
 
 SPEC: dict[str, Any] = {
     "name": "small",
@@ -110,9 +109,9 @@ def page_of(
         Source(f"{number}-{name}" if number > 1 else name, content)
         for number, content in enumerate(results, 1)
     ]
-    fits = [fit(content, resamples=RESAMPLES) for content in results]
+    cases = cases_of([(source.name, source.results) for source in sources], None, RESAMPLES)
     given = [a_verdict(1)] if verdicts is None else verdicts
-    return render(Content(sources, given, fits, None, RESAMPLES))
+    return render(Content(sources, given, cases, None, RESAMPLES))
 
 
 class Page(HTMLParser):

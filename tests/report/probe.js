@@ -21,6 +21,10 @@
     seen.wide = all("body *").filter((element) => !element.closest(".scroll, pre, svg")
       && element.getBoundingClientRect().right > document.documentElement.clientWidth + 1)
       .map((element) => `${element.tagName}.${element.className}`);
+    const tables = all(".scrolls > .scroll").filter((box) => box.scrollWidth > box.clientWidth + 1);
+    seen.scrolling = tables.length;
+    seen.said = all(".more").filter((word) => word.checkVisibility({ visibilityProperty: true })
+      && word.textContent.includes("scroll")).length;
     const places = all(".plot").map((plot) => plot.getBoundingClientRect());
     seen.places = places.map((box) => [box.left, box.top, box.right, box.bottom]);
     seen.drawn = drawn();

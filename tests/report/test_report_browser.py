@@ -133,7 +133,9 @@ def test_buttons_change_the_axes(seen: dict[str, Any]) -> None:
 
 
 def test_hovering_tells_the_model_the_pressure_and_the_error(seen: dict[str, Any]) -> None:
-    assert re.match(r"bem, qr\s=\s1p/E\* = 0.00631A/A0 = 0\.\d+ ± 0\.\d+$", seen["hover"])
+    assert re.match(
+        r"Exact \(BEM\), qr/q0\s=\s1p/E\* = 0.00631A/A0 = 0\.\d+ ± 0\.\d+$", seen["hover"]
+    )
 
 
 @pytest.mark.parametrize("width", [PHONE, 768, DESK])
@@ -153,6 +155,8 @@ def test_the_page_does_not_scroll_sideways(
     assert seen["width"] == width
     assert seen["scroll"] == width
     assert seen["wide"] == []
+    assert seen["scrolling"] > 0 or width == DESK
+    assert seen["scrolling"] == seen["said"]  # a word at every table that goes on
 
 
 def test_a_picture_of_the_page_is_not_blank(

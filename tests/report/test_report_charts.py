@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-import base64
+import io
 import json
 import math
 from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.image import imread
 
 from roughbench.figures.curves import curve_of
 from roughbench.report.charts import Chart
 from roughbench.report.curves import PLOTS, curve_charts
 from roughbench.report.looks import experiment_dashes, model_looks
+from roughbench.report.maps import MOST_MAPS, MOST_POINTS, field_maps
 from roughbench.report.observables import (
-    MOST_POINTS,
     drawn_pressures,
-    field_charts,
     observable_charts,
 )
 from roughbench.report.sources import Source
@@ -40,17 +40,16 @@ def charts_of(results: Results) -> dict[str, dict[str, Any]]:
     return {chart.key: parsed(chart) for chart in charts}
 
 
-def traces(chart: dict[str, Any], role: str = "curve", **meta: str) -> list[dict[str, Any]]:
-    wanted = {"role": role, **meta}
-    return [t for t in chart["data"] if wanted.items() <= t["meta"].items()]
+def curves(chart: dict[str, Any], **meta: str) -> list[dict[str, Any]]:
+    return [t for t in chart["curves"] if meta.items() <= t["meta"].items()]
 
 
 def test_every_quantity_has_a_chart_with_every_curve(small: Results) -> None:
     charts = charts_of(small)
     assert list(charts) == [plot.key for plot in PLOTS]
     for chart in charts.values():
-        curves = [(t["meta"]["experiment"], t["meta"]["model"]) for t in traces(chart)]
-        assert curves == [(e, m) for e in EXPERIMENTS for m in LABELS]
+        found = [(t["meta"]["experiment"], t["meta"]["model"]) for t in curves(chart)]
+        assert found == [(e, m) for e in EXPERIMENTS for m in LABELS]
 
 
 def test_a_curve_holds_the_numbers_of_the_results(small: Results) -> None:
@@ -66,7 +65,7 @@ def test_a_curve_holds_the_numbers_of_the_results(small: Results) -> None:
         "stiffness-by-pressure": stiffness / pressure,
     }
     for key, values in expected.items():
-        (trace,) = traces(charts[key], model="bem", experiment="surface.qr=4.0")
+        (trace,) = curves(charts[key], model="bem", experiment="surface.qr=4.0")
         assert trace["x"] == pytest.approx(pressure, rel=1e-6)
         there = [math.nan if y is None else y for y in trace["y"]]
         assert there == pytest.approx(
@@ -76,20 +75,21 @@ def test_a_curve_holds_the_numbers_of_the_results(small: Results) -> None:
 
 
 def test_a_band_is_one_standard_error_wide(small: Results) -> None:
-    (band,) = traces(charts_of(small)["area"], "band", model="bem", experiment="surface.qr=1.0")
+    (trace,) = curves(charts_of(small)["area"], model="bem", experiment="surface.qr=1.0")
     result = small["surface.qr=1.0"]["bem"]
     mean, error = result["area_mean"], result["area_sem"]
-    assert band["y"] == pytest.approx([*(mean + error), *(mean - error)[::-1]], rel=1e-6)
-    assert band["fill"] == "toself"
+    assert trace["upper"] == pytest.approx(mean + error, rel=1e-6)
+    assert trace["lower"] == pytest.approx(mean - error, rel=1e-6)
 
 
 def test_a_theory_has_no_band(small: Results) -> None:
-    for band in traces(charts_of(small)["area"], "band", model="persson"):
-        assert band["x"] == []
+    found = curves(charts_of(small)["area"], model="persson")
+    assert found
+    assert not any({"lower", "upper"} & set(trace) for trace in found)
 
 
 def test_hovering_shows_value_and_error(small: Results) -> None:
-    (trace,) = traces(charts_of(small)["area"], model="bem", experiment="surface.qr=1.0")
+    (trace,) = curves(charts_of(small)["area"], model="bem", experiment="surface.qr=1.0")
     result = small["surface.qr=1.0"]["bem"]
     first = trace["text"][0]
     assert first.startswith("p/E* = 0.001<br>A/A<sub>0</sub> = 0.0")
@@ -101,18 +101,17 @@ def test_a_band_that_reaches_zero_and_a_gap(small: Results, change: Change) -> N
     mean = np.array([1e-3, 2e-3, np.nan, 4e-3, 5e-3, 6e-3])
     changed = change(small, area_mean=mean, area_sem=2.0 * mean)
     chart = charts_of(changed)["area"]
-    (band,) = traces(chart, "band", model="bem", experiment="surface.qr=1.0")
-    assert band["x"].count(None) == 1  # two polygons
-    assert min(y for y in band["y"] if y is not None) == pytest.approx(1e-6)
-    (curve,) = traces(chart, model="bem", experiment="surface.qr=1.0")
-    assert curve["y"][2] is None
+    (curve,) = curves(chart, model="bem", experiment="surface.qr=1.0")
+    for name in ("y", "lower", "upper"):
+        assert [value is None for value in curve[name]] == [k == 2 for k in range(6)]
+    assert min(y for y in curve["lower"] if y is not None) == pytest.approx(1e-6)
 
 
 def test_full_contact_is_no_point_and_no_zoom(small: Results, change: Change) -> None:
     mean = np.array([1e-3, 1e-2, 0.1, 1.0, 1e9, np.inf]) / 0.02
     changed = change(small, stiffness_mean=mean, stiffness_median=mean)
     chart = charts_of(changed)["stiffness"]
-    (curve,) = traces(chart, model="bem", experiment="surface.qr=1.0")
+    (curve,) = curves(chart, model="bem", experiment="surface.qr=1.0")
     assert curve["y"][5] is None
     assert curve["y"][4] > 1e8
     assert chart["ranges"]["log"][1] < 3.0
@@ -163,18 +162,18 @@ def test_observables_are_drawn_at_every_pressure_if_they_are_there(
     charts = charts_of(observed)
     assert list(charts)[5:] == ["pressure-pdf"]
     chart = charts["pressure-pdf"]
-    assert {t["meta"]["model"] for t in chart["data"]} == {"bem"}
-    assert len({t["meta"]["pressure"] for t in chart["data"]}) == 6
-    first = chart["data"][0]["meta"]["pressure"]
-    band, curve, theory = (
+    assert {t["meta"]["model"] for t in chart["curves"]} == {"bem"}
+    assert len({t["meta"]["pressure"] for t in chart["curves"]}) == 6
+    first = chart["curves"][0]["meta"]["pressure"]
+    curve, theory = (
         t
-        for t in chart["data"]
+        for t in chart["curves"]
         if t["meta"]["pressure"] == first and "1.0" in t["meta"]["experiment"]
     )
     assert curve["x"] == [1.0, 4.0]  # no empty ends, no bins that are none
     assert curve["y"] == [1.0, 0.5]
     assert theory["y"] == [0.5, 0.25]
-    assert band["y"] == pytest.approx([1.1, 0.55, 0.45, 0.9])
+    assert (curve["upper"], curve["lower"]) == ([1.1, 0.55], [0.9, 0.45])
 
 
 def test_spectra_of_lines_stand_for_those_of_surfaces(small: Results, change: Change) -> None:
@@ -187,8 +186,8 @@ def test_spectra_of_lines_stand_for_those_of_surfaces(small: Results, change: Ch
         contact_spectrum_mean=mean,
         contact_spectrum_sem=0.0 * mean,
     )
-    (curve, *_) = traces(charts_of(changed)["contact-spectrum"])
-    assert curve["y"] == pytest.approx(1.0 / (np.pi * q), rel=1e-6)
+    (curve, *_) = curves(charts_of(changed)["contact-spectrum"])
+    assert curve["y"] == [0.3183, 0.1592]  # 1/(πq), to the digits of a picture
 
 
 def test_only_some_of_many_pressures_are_drawn(small: Results, change: Change) -> None:
@@ -211,15 +210,33 @@ def test_fields_become_maps(small: Results, change: Change) -> None:
         field_realization=np.array([3]),
         field_nominal_pressure=np.array([0.01]),
     )
-    maps = field_charts(Source("r.h5", changed))
-    assert [chart.title for chart in maps] == [
-        f"bem, q<sub>r</sub>\xa0=\xa0{qr}, p/E* = 0.01, realization 3" for qr in (1, 4)
+    maps = field_maps(Source("r.h5", changed))
+    assert [one.title for one in maps] == [
+        f"Exact (BEM), q<sub>r</sub>/q<sub>0</sub>\xa0=\xa0{qr}, p/E* = 0.01, realization 3"
+        for qr in (1, 4)
     ]
-    z = parsed(maps[0])["data"][0]["z"]
-    assert z["dtype"] == "u1"
-    assert z["shape"] == f"{MOST_POINTS}, 8"
-    pixels = np.frombuffer(base64.b64decode(z["bdata"]), np.uint8).reshape(MOST_POINTS, 8)
-    assert pixels[0, 1] == 255
-    assert pixels[2, 2] == 1  # whatever touches is seen
-    assert np.count_nonzero(pixels) == 2
-    assert field_charts(Source("r.h5", small)) == []
+    pixels = imread(io.BytesIO(maps[0].image), "png")[::-1, :, :3]  # the first row is below
+    assert pixels.shape == (MOST_POINTS, 8, 3)
+    touching = {
+        (int(row), int(column)) for row, column in np.argwhere(pixels.min(axis=2) < 1.0)
+    }
+    assert touching == {(0, 1), (2, 2)}  # whatever touches is seen
+    assert pixels[0, 1] == pytest.approx(np.array([0x1D, 0x2A, 0x5E]) / 255.0)
+    assert field_maps(Source("r.h5", small)) == []
+
+
+def test_maps_stand_on_the_page_and_more_are_counted(small: Results, change: Change) -> None:
+    changed = change(small, field_pressure=np.zeros((MOST_MAPS, 4, 4)))
+    page = Page(page_of(changed))
+    pictures = [given for tag, given in page.elements if tag == "img"]
+    assert len(pictures) == MOST_MAPS
+    assert all((given["src"] or "").startswith("data:image/png;base64,") for given in pictures)
+    assert all(given["alt"] for given in pictures)
+    assert f"{MOST_MAPS} more fields are in the file" in page.text
+
+
+def test_a_stripe_is_a_line(small: Results, change: Change) -> None:
+    changed = change(small, field_pressure=np.full((1, 16), 0.05))
+    first = field_maps(Source("r.h5", changed))[0]
+    assert first.is_line
+    assert imread(io.BytesIO(first.image), "png").shape[:2] == (1, 16)

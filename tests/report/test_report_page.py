@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+import roughbench.report
+from roughbench import fits
 from roughbench.errors import StoreError
+from roughbench.fits.laws import fit_laws
 from roughbench.report import make_report, read_sources
 from roughbench.report.markup import number, with_error
 from roughbench.report.sources import names_of, places
@@ -22,6 +26,8 @@ from tests.report.conftest import (
     a_verdict,
     page_of,
 )
+
+TITLES = {"bem": "Exact (BEM)", "foundation": "Popov (1D foundation)", "persson": "Persson"}
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +46,11 @@ def page(report: str) -> Page:
 def test_every_verdict_of_the_results_has_a_row(page: Page, small: Results) -> None:
     verdicts = judge([("small.h5", small)], resamples=RESAMPLES)
     rows = [given["id"] for tag, given in page.elements if tag == "tr" and "id" in given]
-    assert rows == [f"claim-{verdict.key}" for verdict in verdicts]
+    untested = [v for v in verdicts if v.outcome is Outcome.NOT_TESTED]
+    tested = [v for v in verdicts if v not in untested]
+    assert tested
+    assert untested
+    assert rows == [f"claim-{verdict.key}" for verdict in (*tested, *untested)]
     links = {given.get("href") for tag, given in page.elements if tag == "a"}
     assert {f"#{row}" for row in rows} <= links
 
@@ -74,9 +84,9 @@ def test_every_model_and_experiment_is_on_the_page(report: str, page: Page) -> N
     assert values == {"model": list(LABELS), "experiment": list(EXPERIMENTS)}
     fits = report.partition('id="fits"')[2].partition('id="warnings"')[0]
     for label in LABELS:
-        assert fits.count(f'<th scope="row">{label}</th>') >= 2 * len(EXPERIMENTS)
-    for title in ("Exact (BEM)", "Popov (1D foundation)", "Persson"):
-        assert title in page.text
+        title = TITLES[label]
+        assert fits.count(f'<th scope="row">{title}</th>') >= 2 * len(EXPERIMENTS)
+        assert f"{title} {label}" in page.text  # in the legend
 
 
 def test_the_spec_and_how_to_compute_it_again(page: Page, small: Results) -> None:
@@ -95,7 +105,7 @@ def test_two_files_have_charts_and_fits_each(results_file: Path, tmp_path: Path)
     assert page.tags.count("figure") == 10
     assert "other.h5: main" not in page.text
     for name in ("small.h5", "other.h5"):
-        assert f"{name}: qr\xa0=\xa04" in page.text
+        assert f"{name}: qr/q0\xa0=\xa04" in page.text
 
 
 def test_a_place_is_named_as_in_the_figures(results_file: Path, tmp_path: Path) -> None:
@@ -103,7 +113,8 @@ def test_a_place_is_named_as_in_the_figures(results_file: Path, tmp_path: Path) 
     other.write_bytes(results_file.read_bytes())
     sources = read_sources([results_file, other])
     assert places(sources)["other.h5: surface.qr=4.0/bem"] == (
-        'bem, <span class="muted">q<sub>r</sub>\xa0=\xa04, other.h5</span>'
+        'Exact (BEM), <span class="muted">'
+        "q<sub>r</sub>/q<sub>0</sub>\xa0=\xa04, other.h5</span>"
     )
     verdicts = judge([(s.name, s.results) for s in sources], resamples=RESAMPLES)
     named = {m.where for verdict in verdicts for m in verdict.measurements}
@@ -127,8 +138,63 @@ def test_an_unknown_reference_is_refused(results_file: Path) -> None:
 
 def test_a_reference_is_used_where_it_is_named(results_file: Path) -> None:
     page = Page(make_report([results_file], reference="persson", resamples=RESAMPLES))
-    assert "agrees with persson (Persson)" in page.text
+    assert "agrees with Persson" in page.text
     assert "--reference persson" in page.text
+
+
+def test_figures_stand_before_verdicts(page: Page) -> None:
+    sections = [
+        given["id"] for tag, given in page.elements if tag == "section" and "id" in given
+    ]
+    assert sections == ["summary", "figures", "verdicts", "fits", "warnings", "provenance"]
+
+
+def test_what_cannot_be_tested_is_one_line() -> None:
+    outcomes = [Outcome.HOLDS, Outcome.NOT_TESTED, Outcome.FAILS, Outcome.NOT_TESTED]
+    verdicts = [a_verdict(k, outcome=outcome) for k, outcome in enumerate(outcomes, 1)]
+    text = page_of(Results({}, "{}", ""), verdicts=verdicts)
+    shown, fold, folded = text.partition('<details class="untested">')
+    assert fold
+    rows = re.compile(r'<tr id="claim-claim-(\d)"')
+    assert rows.findall(shown) == ["1", "3"]
+    assert rows.findall(folded) == ["2", "4"]
+    assert "2 claims cannot be tested on these results (No. 2, 4)" in Page(text).text
+    assert "1 hold, 1 fail, 0 are undecided, 2 cannot be tested" in Page(text).text
+
+
+def test_what_a_spec_needs_is_set_as_in_a_spec(page: Page, report: str) -> None:
+    del page
+    assert "a spec with <code>bem</code> and <code>winkler</code>" in report
+    assert "<code>sweep: {surface.below_qr: [rolloff, cutoff]}</code>" in report
+
+
+def test_every_model_is_fitted_once(
+    results_file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls: list[int] = []
+
+    def counted(*given: Any) -> Any:
+        calls.append(len(calls))
+        return fit_laws(*given)
+
+    monkeypatch.setattr(fits, "fit_laws", counted)
+    make_report([results_file], resamples=RESAMPLES)
+    assert len(calls) == len(LABELS) * len(EXPERIMENTS)
+
+
+def test_a_page_has_at_most_two_megabytes(report: str) -> None:
+    """And most of it is plotly.js: what is unused of it is left out."""
+    assert len(report.encode()) < 1.5e6
+
+
+def test_plotly_is_the_version_that_its_notes_say() -> None:
+    folder = Path(roughbench.report.__file__).parent / "plotly"
+    script = (folder / "plotly-basic.min.js").read_text(encoding="utf-8")
+    version = re.search(r"^\* plotly\.js \(basic - minified\) v([\d.]+)$", script, re.MULTILINE)
+    assert version is not None
+    assert f"plotly.js {version[1]}," in (folder / "README.md").read_text(encoding="utf-8")
+    assert "Plotly" in (folder / "LICENSE").read_text(encoding="utf-8")
+    assert "</script" not in script.lower()
 
 
 # -- that it says nothing else -----------------------------------------------------------
@@ -143,12 +209,12 @@ def test_no_folder_of_the_writer_is_told(
 ) -> None:
     for folder in results_file.resolve().parents[:-1]:
         assert str(folder) not in report
-    spec = small.spec_text + "\n# from /home/ann/rough/heights.npy and ~/b/c.h5:/z"
+    spec = small.spec_text + "\n# from /home/annika/rough/heights.npy and ~/b/c.h5:/z"
     for label in LABELS:
-        small = change(small, label, {"surface": "file", "heights": "/home/ann/h.npy"})
+        small = change(small, label, {"surface": "file", "heights": "/home/annika/h.npy"})
     changed = Results(small.experiments, spec, "", "small")
     page = page_of(changed)
-    assert "ann" not in Page(page).text
+    assert "annika" not in Page(page).text
     assert "from …/heights.npy and …/c.h5" in page
     assert "heights of h.npy" in page
 
@@ -187,8 +253,10 @@ def test_hostile_text_changes_no_element(small: Results) -> None:
 
 def test_nothing_is_loaded_from_anywhere(page: Page) -> None:
     for tag, given in page.elements:
-        assert tag not in ("link", "iframe", "object", "embed", "img", "base", "form[action]")
-        assert not {"src", "srcset", "data", "action", "poster", "background"} & set(given)
+        assert tag not in ("link", "iframe", "object", "embed", "base", "form[action]")
+        assert tag != "img" or (given["src"] or "").startswith("data:image/png;base64,")
+        assert tag == "img" or "src" not in given
+        assert not {"srcset", "data", "action", "poster", "background"} & set(given)
         href = given.get("href") or "#"
         assert href.startswith("#") or (tag == "a" and href.startswith("https://doi.org/"))
         assert "http-equiv" not in given or given["http-equiv"] == "Content-Security-Policy"

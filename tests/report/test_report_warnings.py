@@ -176,7 +176,7 @@ def test_warnings_are_on_the_page_or_none_is(sound: Results, change: Change) -> 
     assert "▲ Coarse grids" in coarse
     assert ABOUT["Coarse grids"] in coarse
     assert "r.h5" not in coarse
-    assert "small.h5: surface.qr=1.0/bem" in coarse
+    assert "small.h5, qr/q0\xa0=\xa01, Exact (BEM)" in coarse
     assert "▲" not in Page(page_of(sound)).text
 
 

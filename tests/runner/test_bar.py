@@ -1,0 +1,60 @@
+"""What ``run(progress=True)`` shows: one line of plain text on standard error."""
+
+from __future__ import annotations
+
+import sys
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+import roughbench as rb
+from roughbench.runner.bar import reported
+from roughbench.runner.progress import Progress
+
+
+@pytest.mark.parametrize("in_notebook", [False, True])
+def test_a_run_shows_how_far_it_is(
+    small_spec: dict[str, Any],
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    *,
+    in_notebook: bool,
+) -> None:
+    if in_notebook:
+        monkeypatch.setitem(sys.modules, "ipykernel", ModuleType("ipykernel"))
+    rb.run(small_spec, progress=True)
+    out, err = capsys.readouterr()
+    assert out == ""
+    last = err.rstrip().rpartition("\r")[2]
+    assert last.startswith("100%|")
+    assert "63/63 states" in last
+    assert len(last) < 80
+    assert "\x1b" not in err  # no cursor moves: every notebook shows it
+
+
+@pytest.mark.parametrize("progress", [None, False])
+def test_a_run_is_silent_unless_asked(
+    small_spec: dict[str, Any], capsys: pytest.CaptureFixture[str], *, progress: bool | None
+) -> None:
+    rb.run(small_spec, progress=progress)
+    assert capsys.readouterr() == ("", "")
+
+
+def test_a_callable_is_told_as_before(small_spec: dict[str, Any]) -> None:
+    told: list[Progress] = []
+    rb.run(small_spec, progress=told.append)
+    assert told[-1].done == 63
+    assert told[-1].share == pytest.approx(1.0)
+
+
+def test_the_line_ends_where_a_run_fails(capsys: pytest.CaptureFixture[str]) -> None:
+    def fail() -> None:
+        with reported(True) as report:  # noqa: FBT003
+            assert report is not None
+            report(Progress(1, 4, 0.25, "main/bem, realization 1 of 4"))
+            raise ValueError("bad")
+
+    with pytest.raises(ValueError, match="bad"):
+        fail()
+    assert "25%|" in capsys.readouterr().err
