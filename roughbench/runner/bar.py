@@ -46,6 +46,6 @@ def reported(progress: Report | bool | None) -> Iterator[Report | None]:  # noqa
 
         def report(news: Progress) -> None:
             bar.set_postfix_str(f"{news.done}/{news.total} states: {news.text}", refresh=False)
-            bar.update(news.share - bar.n)
+            bar.update(news.done / max(news.total, 1) - bar.n)
 
         yield report
