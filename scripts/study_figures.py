@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullLocator
 
 import roughbench as rb
+from roughbench.figures.looks import lighter, model_colours
 from roughbench.figures.style import (
     COLOURS,
     GUIDE,
@@ -30,15 +31,16 @@ from roughbench.results import ModelResult, Results
 from roughbench.spectrum import self_affine
 
 WORDS = {
-    "foundation": ("foundation", COLOURS[1], "-"),
-    "persson": ("Persson, γ = 0.45", COLOURS[0], "--"),
-    "persson-fitted": ("Persson, fitted", COLOURS[5], "--"),
-    "winkler": ("springs under the surface", COLOURS[3], "-."),
-    "line": ("line with coupling", COLOURS[2], (0, (9, 2, 1.5, 2))),
-    "gw": ("Greenwood-Williamson", COLOURS[4], ":"),
-    "gw_elliptic": ("elliptic summits", "0.5", ":"),
-    "hertz_top": ("highest asperity", "#8C6D31", (0, (2.5, 1))),
+    "foundation": ("foundation", "-"),
+    "persson": ("Persson, γ = 0.45", "--"),
+    "persson-fitted": ("Persson, fitted", "--"),
+    "winkler": ("springs under the surface", "-."),
+    "line": ("line with coupling", (0, (9, 2, 1.5, 2))),
+    "gw": ("Greenwood-Williamson", ":"),
+    "gw_elliptic": ("elliptic summits", ":"),
+    "hertz_top": ("highest asperity", (0, (2.5, 1))),
 }
+MODEL_COLOURS = model_colours({key: key.partition("-")[0] for key in WORDS})
 QUANTITIES = {
     "area": (r"$A/A_\mathrm{exact}$", 0),
     "separation": (r"$\bar u/\bar u_\mathrm{exact}$", 1),
@@ -66,7 +68,8 @@ def contenders(results: Results) -> Figure:
             part = np.nan_to_num(part)
             panel.fill_between(p, 1 - part, 1 + part, color="0.8", lw=0)
             panel.axhline(1.0, color="black", lw=0.8)
-            for key, (words, colour, dashes) in WORDS.items():
+            for key, (words, dashes) in WORDS.items():
+                colour = MODEL_COLOURS[key]
                 model = models[key]
                 with np.errstate(invalid="ignore", divide="ignore"):
                     ratio = model[f"{name}_mean"] / height(model) ** power / reference
@@ -102,7 +105,7 @@ def sizes(results: Results) -> Figure:
             color=str(shade), marker="s", ms=3, lw=0, elinewidth=0.8,
             label=f"exact, $L = {times}\\cdot 2\\pi/q_0$",
         )  # fmt: skip
-        colour = (*[1 - (1 - c) * (1 - shade) for c in (0.84, 0.37, 0.0)], 1.0)
+        colour = lighter(MODEL_COLOURS["foundation"], shade)
         left.plot(
             p, springs["separation_mean"] / unit, color=colour, label=f"foundation, {times}"
         )
