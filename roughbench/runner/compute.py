@@ -53,6 +53,7 @@ def compute(
     rows: list[Block] = []
     observers: list[Observer] = []
     pressures = task.pressure_array()
+    digest = cell.heights.digest if cell.heights is not None else ""
     done = 0
 
     def one_more(snapshot: Snapshot | None = None, fields: TakeFields | None = None, /) -> None:
@@ -72,9 +73,7 @@ def compute(
     with threadpool_limits(1, "blas"):
         for realization in task.realizations:
             try:
-                sample = make_sample(
-                    cell.surface, cell.model, cell.seed, realization, task.heights
-                )
+                sample = make_sample(cell.surface, cell.model, cell.seed, realization, digest)
                 observer = Observer(task, realization, sample)
                 observers.append(observer)
                 finished = checkpoint.load() if checkpoint is not None else None

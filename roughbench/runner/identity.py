@@ -21,8 +21,7 @@ import roughbench.models
 import roughbench.observables
 from roughbench.models.base import Model
 from roughbench.runner.plan import Cell
-from roughbench.runner.samples import heights_digest
-from roughbench.spec import FileSurface
+from roughbench.spec import SelfAffineSurface
 
 Identity = Mapping[str, str | int | float]
 """Flat: key path in a spec, ``threads`` or ``code`` → value."""
@@ -51,23 +50,18 @@ def identity(cell: Cell, threads: int) -> Identity:
         change of one of them nothing computed before is taken for its result. Observables
         count where they are asked for, with their own code; fields that are kept do not:
         a state without the field that it should have counts as missing.
-
-    Raises
-    ------
-    SurfaceError
-        If heights cannot be read.
     """
     model, surface = cell.model, cell.surface
     options = model.model_dump(by_alias=True, exclude={"label", "realizations", "grid"})
     values = {f"model.{name}": value for name, value in options.items() if value is not None}
     given = surface.model_dump(by_alias=True, exclude_none=True, exclude={"path"})
-    if isinstance(surface, FileSurface):
-        given["heights"] = heights_digest(surface)
-    elif model.dimension:
+    if cell.heights is not None:
+        given["heights"] = cell.heights.digest
+    elif model.dimension and isinstance(surface, SelfAffineSurface):
         values["model.grid"] = model.grid_points(surface.spectrum(), surface.length)
         values["seed"] = cell.seed
     else:
-        given.pop("amplitude")
+        given.pop("amplitude", None)
     values |= {f"surface.{name}": value for name, value in given.items()}
     if model.iterative:
         values["threads"] = threads

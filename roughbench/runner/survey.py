@@ -55,7 +55,6 @@ class Stock:
         only : collection of int, optional
             Realizations to take; default: all.
         """
-        heights = str(self.identity.get("surface.heights", ""))
         return [
             task
             for realizations, pressures in self.collected.missing(only)
@@ -64,7 +63,6 @@ class Stock:
                 realizations,
                 pressures,
                 threads=self.threads,
-                heights=heights,
                 parts=parts,
             )
         ]
