@@ -13,7 +13,6 @@ file stands the checksum of its bytes.
 from __future__ import annotations
 
 import contextlib
-import hashlib
 import itertools
 import os
 from collections.abc import Iterator
@@ -26,9 +25,18 @@ from roughbench.errors import StoreError
 from roughbench.models.base import Status
 from roughbench.publish import commit
 from roughbench.results import Array, Attribute, ModelResult, Results
+from roughbench.seal import check_seal, has_mark, seal
 from roughbench.variables import STORABLE, dimensions, fits
 
-__all__ = ["FORMAT_VERSION", "ModelResult", "Results", "commit", "load", "write_results"]
+__all__ = [
+    "FORMAT_VERSION",
+    "ModelResult",
+    "Results",
+    "commit",
+    "load",
+    "seal",
+    "write_results",
+]
 
 FORMAT = "roughbench"
 FORMAT_VERSION = 2
@@ -36,8 +44,6 @@ FORMAT_VERSION = 2
 which older versions read."""
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
-_SEAL = b"\nroughbench-sha256:"
-_SEAL_LENGTH = len(_SEAL) + 65
 
 _REQUIRED = ("pressure", "status")
 _RERUN = "run its spec again (roughbench run SPEC.yaml)"
@@ -127,29 +133,27 @@ def _version(results: Results) -> int:
     return 1 if axes <= {"realization", "pressure"} else FORMAT_VERSION
 
 
-def seal(data: bytes) -> bytes:
-    """Return the bytes of an HDF5 file with their checksum behind them.
-
-    HDF5 ignores what stands there. It checks the arrays on its own, but a damage elsewhere
-    may be read without notice, or make it loop for ever.
-    """
-    return data + _SEAL + hashlib.sha256(data).hexdigest().encode() + b"\n"
-
-
 def _check_seal(source: Path) -> None:
-    """Refuse a file whose bytes are not those that were written."""
-    data = source.read_bytes()
-    inner = data[:-_SEAL_LENGTH]
-    if data == seal(inner):
-        return
-    if _SEAL in data[-2 * _SEAL_LENGTH :]:
-        raise ValueError("its content does not match its checksum")
-    if data.startswith(_HDF5):
-        raise StoreError(
-            f"{source}: an HDF5 file, but not written by roughbench, or cut short; give a "
-            f"results file of 'roughbench run', or {_RERUN}"
-        )
-    raise StoreError(f"{source}: not an HDF5 file; give a roughbench results file")
+    """Refuse a file whose bytes are not those that were written.
+
+    HDF5 checks the arrays on its own, but a damage elsewhere may be read without notice, or
+    make it loop for ever.
+    """
+    with source.open("rb") as file:
+        try:
+            check_seal(file)
+        except ValueError:
+            if has_mark(file):
+                raise
+            file.seek(0)
+            if file.read(len(_HDF5)) != _HDF5:
+                raise StoreError(
+                    f"{source}: not an HDF5 file; give a roughbench results file"
+                ) from None
+            raise StoreError(
+                f"{source}: an HDF5 file, but not written by roughbench, or cut short; give a "
+                f"results file of 'roughbench run', or {_RERUN}"
+            ) from None
 
 
 @contextlib.contextmanager

@@ -14,6 +14,7 @@ import roughbench
 LAYERS = (
     "errors",
     "publish",
+    "seal",
     "spectrum",
     "surface",
     "heights_file",

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+import tracemalloc
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -381,6 +382,19 @@ def test_refuses_a_changed_file(
     with pytest.raises(StoreError, match=message) as caught:
         load(path)
     assert str(path) in str(caught.value)
+
+
+def test_the_checksum_takes_no_memory(tmp_path: Path) -> None:
+    """Read in blocks; all of a file at once, thrice, before."""
+    values = np.zeros((1, 2_000_000))
+    variables = {"pressure": values[0], "status": values.astype(np.int32)}
+    big = Results({"main": {"m": ModelResult("m", "k", "T", {}, variables)}}, "", "")
+    target = write_results(big, tmp_path / "big.h5")
+    tracemalloc.start()
+    store._check_seal(target)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < target.stat().st_size / 5
 
 
 def test_refuses_a_cut_file(path: Path) -> None:

@@ -15,7 +15,7 @@ from roughbench.runner.overview import Part, overview
 from roughbench.runner.plan import check, plan
 from roughbench.runner.resources import Sharing, sharing
 from roughbench.runner.survey import Stock, survey
-from roughbench.spec import Spec, load_spec
+from roughbench.spec import Spec, load_spec, parse_spec
 from roughbench.store import load
 
 
@@ -215,4 +215,4 @@ def _requested(folder: RunFolder, request: dict[str, Any]) -> Spec:
             f"{folder.path}: run.json is missing or damaged, which says what the run was to "
             "compute; the next run writes it again"
         )
-    return load_spec(request["spec"] + "\n", folder=request.get("folder", "."))
+    return parse_spec(request["spec"], folder=request.get("folder", "."))

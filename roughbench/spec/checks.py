@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -58,7 +59,17 @@ def check_fit(
     if isinstance(surface, SelfAffineSurface):
         yield from _grids(surface, models)
     elif isinstance(surface, FileSurface):
-        yield from _file(tree, surface, models)
+        yield from _given_heights(tree, models)
+
+
+def check_file(surface: SelfAffineSurface | FileSurface | None) -> Iterator[Finding]:
+    """Yield a finding if the file of heights is not there, which no spec can know."""
+    if isinstance(surface, FileSurface):
+        exists = False
+        with contextlib.suppress(OSError):
+            exists = surface.file.is_file()
+        if not exists:
+            yield Finding(("surface", "path"), f"no such file: {surface.file}")
 
 
 def _names(tree: Any, models: Numbered) -> Iterator[Finding]:
@@ -148,13 +159,7 @@ def _grid_option(number: int, model: Model) -> KeyPath:
     return ("models", number, *written[:1])
 
 
-def _file(tree: Any, surface: FileSurface, models: Numbered) -> Iterator[Finding]:
-    try:
-        exists = surface.file.is_file()
-    except OSError:
-        exists = False
-    if not exists:
-        yield Finding(("surface", "path"), f"no such file: {surface.file}")
+def _given_heights(tree: Any, models: Numbered) -> Iterator[Finding]:
     if (lookup(tree, ("realizations",)) or 1) != 1:
         yield Finding(("realizations",), "heights from a file are one realization; remove this")
     kept = lookup(tree, ("save_fields", "realizations"))
