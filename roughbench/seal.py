@@ -17,12 +17,12 @@ _BLOCK = 2**20
 
 
 def seal(content: bytes) -> bytes:
-    """Return content with its checksum behind it.
+    r"""Return content with its checksum behind it.
 
     Examples
     --------
-    >>> seal(b"text")[:38]
-    b'text\\nroughbench-sha256:982d9e3eb996f559'
+    >>> seal(b"text")[:39]
+    b'text\nroughbench-sha256:982d9e3eb996f559'
     """
     return content + _line(hashlib.sha256(content).hexdigest())
 

@@ -14,12 +14,13 @@ import hashlib
 import inspect
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import roughbench.models
 import roughbench.observables
 from roughbench.models.base import Model
+from roughbench.runner import source
 from roughbench.runner.plan import Cell
 from roughbench.spec import SelfAffineSurface
 
@@ -27,9 +28,9 @@ Identity = Mapping[str, str | int | float]
 """Flat: key path in a spec, ``threads`` or ``code`` → value."""
 
 _PACKAGE = Path(roughbench.models.__file__).parents[1]
-_NUMERICS = re.compile(
-    r"\broughbench\.(models\.\w+|surface|spectrum|transform|heights_file)\b", re.ASCII
-)
+_numerics = re.compile(
+    r"roughbench\.(models\.\w+|surface|spectrum|transform|heights_file)\b", re.ASCII
+).match
 _SAMPLES = ("surface", "spectrum", "heights_file", "runner.samples")
 
 
@@ -45,9 +46,9 @@ def identity(cell: Cell, threads: int) -> Identity:
     Returns
     -------
     mapping of str to str, int or float
-        Heights from a file count by their content. ``code`` is a digest of the source
-        files that make the numbers, the model's own and those of the surfaces: after a
-        change of one of them nothing computed before is taken for its result. Observables
+        Heights from a file count by their content. ``code`` is a digest of what the source
+        files compute that make the numbers, the model's own and those of the surfaces: after
+        a change of one of them nothing computed before is taken for its result. Observables
         count where they are asked for, with their own code; fields that are kept do not:
         a state without the field that it should have counts as missing.
     """
@@ -107,33 +108,36 @@ def changes(before: Identity, after: Identity) -> list[str]:
 
 @functools.cache
 def code_digest(model: type[Model]) -> str:
-    """Return a digest of the source files that make a model's numbers, 12 digits."""
+    """Return a digest of what the source files compute that make a model's numbers.
+
+    12 digits; blind to docstrings, comments and layout, see :mod:`roughbench.runner.source`.
+    """
     waiting = [_unit(model.__module__.removeprefix("roughbench."), model)]
     waiting += [_unit(name, model) for name in _SAMPLES]
-    texts: dict[Path, bytes] = {}
+    digests: dict[Path, str] = {}
     while waiting:
         for path in waiting.pop():
-            if path in texts:
+            if path in digests:
                 continue
-            texts[path] = path.read_bytes()
+            text = path.read_text(encoding="utf-8")
+            digests[path] = source.digest(text)
             if path.name == "samples.py":  # imports every model
                 continue
-            found = set(_NUMERICS.findall(texts[path].decode()))
+            found = {match[1] for name in source.imported(text) if (match := _numerics(name))}
             waiting += [_unit(name, model) for name in sorted(found)]
-    digest = hashlib.sha256()
-    for path in sorted(texts):
-        digest.update(hashlib.sha256(texts[path]).digest())
-    return digest.hexdigest()[:12]
+    return _together([digests[path] for path in sorted(digests)])[:12]
 
 
 @functools.cache
 def observing_digest() -> str:
-    """Return a digest of the source files that make the observables, 8 digits."""
-    digest = hashlib.sha256()
-    for path in sorted(Path(roughbench.observables.__file__).parent.glob("*.py")):
-        digest.update(path.read_bytes())
-    digest.update((_PACKAGE / "runner" / "observing.py").read_bytes())
-    return digest.hexdigest()[:8]
+    """Return a digest of what the source files compute that make the observables, 8 digits."""
+    paths = sorted(Path(roughbench.observables.__file__).parent.glob("*.py"))
+    paths.append(_PACKAGE / "runner" / "observing.py")
+    return _together([source.digest(path.read_text(encoding="utf-8")) for path in paths])[:8]
+
+
+def _together(digests: Sequence[str]) -> str:
+    return hashlib.sha256("".join(digests).encode()).hexdigest()
 
 
 def _unit(name: str, model: type[Model]) -> list[Path]:
