@@ -6,7 +6,7 @@ import contextlib
 import glob
 import itertools
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import IO
 
@@ -23,17 +23,36 @@ def publish(write: Callable[[IO[bytes]], object], path: Path) -> None:
     OSError
         If the system refuses; what stood under ``path`` before is still there.
     """
+    with written(write, path) as temporary:
+        put(temporary, path)
+
+
+@contextlib.contextmanager
+def written(write: Callable[[IO[bytes]], object], path: Path) -> Iterator[Path]:
+    """Have ``write`` write a file beside ``path``, on the disk when it is given out.
+
+    It is gone afterwards, unless :func:`put` has made it the file that it is to be.
+
+    Raises
+    ------
+    OSError
+        If the system refuses.
+    """
     temporary = path.with_name(f".{path.name}.{os.getpid()}.{next(_counter)}.tmp")
     try:
-        with temporary.open("xb") as file:
+        with temporary.open("x+b") as file:
             write(file)
             file.flush()
             os.fsync(file.fileno())
-        temporary.replace(path)
-    except BaseException:
+        yield temporary
+    finally:
         with contextlib.suppress(OSError):
             temporary.unlink()
-        raise
+
+
+def put(temporary: Path, path: Path) -> None:
+    """Give a written file its name, in one step that survives a power cut."""
+    temporary.replace(path)
     _sync_folder(path.parent)
 
 
@@ -64,14 +83,21 @@ def commit(data: bytes, path: str | os.PathLike[str]) -> Path:
         under ``path`` before is still there.
     """
     target = Path(path)
-    try:
+    with refusals_named(target):
         publish(lambda file: file.write(data), target)
+    return target
+
+
+@contextlib.contextmanager
+def refusals_named(target: Path) -> Iterator[None]:
+    """Turn a refusal of the system into a :class:`StoreError` that names the file."""
+    try:
+        yield
     except OSError as error:
         raise StoreError(
             f"cannot write {target}: {error.strerror or error}; "
             "choose another place with -o, or make room and permission there"
         ) from error
-    return target
 
 
 def remove_leftovers(path: Path) -> None:

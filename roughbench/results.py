@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -70,6 +70,28 @@ class ModelResult:
     def long_name(self, name: str) -> str:
         """Return the description of a variable in words."""
         return long_name_of(name)
+
+
+class MadeWhenAsked(Mapping[str, ModelResult]):
+    """Results of models that are made whenever one is asked for, and not kept.
+
+    Parameters
+    ----------
+    make : mapping of str to callable
+        By label.
+    """
+
+    def __init__(self, make: Mapping[str, Callable[[], ModelResult]]) -> None:
+        self._make = make
+
+    def __getitem__(self, label: str) -> ModelResult:
+        return self._make[label]()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._make)
+
+    def __len__(self) -> int:
+        return len(self._make)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,8 +1,8 @@
 """Results on disk: the only module that knows the layout of the HDF5 file.
 
-A file is built as an image in memory and published in one step, so that a reader finds
-either the old file or the whole new one, whatever happens in between. The bytes depend
-on the results alone: no times, no names of machines.
+A file is written beside its place, group by group, and published in one step, so that a
+reader finds either the old file or the whole new one, whatever happens in between. The bytes
+depend on the results alone: no times, no names of machines.
 
 ``/<experiment>/<label>`` holds one model's arrays with dimension scales ``realization``
 and ``pressure``, and those of observables and fields (:mod:`roughbench.variables`); the root
@@ -13,19 +13,23 @@ file stands the checksum of its bytes.
 from __future__ import annotations
 
 import contextlib
+import dataclasses
+import io
 import itertools
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import IO
 
 import h5py
 import numpy as np
 
 from roughbench.errors import StoreError
 from roughbench.models.base import Status
-from roughbench.publish import commit
+from roughbench.publish import commit, put, refusals_named, written
 from roughbench.results import Array, Attribute, ModelResult, Results
-from roughbench.seal import check_seal, has_mark, seal
+from roughbench.seal import check_seal, has_mark, seal, seal_file
+from roughbench.sink import Sink
 from roughbench.variables import STORABLE, dimensions, fits
 
 __all__ = [
@@ -69,7 +73,26 @@ def write_results(results: Results, path: str | os.PathLike[str]) -> Path:
     StoreError
         If the file cannot be written.
     """
-    return commit(image(results), path)
+    target = Path(path)
+    with refusals_named(target), written_results(results, target) as temporary:
+        put(temporary, target)
+    return target
+
+
+@contextlib.contextmanager
+def written_results(results: Results, path: Path) -> Iterator[Path]:
+    """Write a results file beside its place, for :func:`roughbench.publish.put`.
+
+    Needs the memory of one model's results at a time, where ``results`` makes them one at a
+    time.
+
+    Raises
+    ------
+    OSError
+        If the system refuses.
+    """
+    with written(lambda file: _write(results, file), path) as temporary:
+        yield temporary
 
 
 def load(path: str | os.PathLike[str]) -> Results:
@@ -90,15 +113,76 @@ def load(path: str | os.PathLike[str]) -> Results:
         If there is no such file, it is no roughbench results file or one of a newer
         format, it is damaged, or it refers to other files.
     """
+    with opened(path) as results:
+        return Results(
+            {
+                experiment: {label: _whole(models[label]) for label in models}
+                for experiment, models in results.items()
+            },
+            results.spec_text,
+            results.spec_sha256,
+            results.name,
+        )
+
+
+@contextlib.contextmanager
+def opened(path: str | os.PathLike[str]) -> Iterator[Results]:
+    """Give the content of a results file, of which each variable is read when asked for.
+
+    Parameters
+    ----------
+    path : str or path
+
+    Yields
+    ------
+    Results
+        As :func:`load` returns them; of no use afterwards.
+
+    Raises
+    ------
+    StoreError
+        As :func:`load`.
+    """
     source = Path(path)
     if not source.exists():
         raise StoreError(f"{source}: no such file; {_RERUN} or check the name")
     if source.is_dir():
         raise StoreError(f"{source}: is a folder; give the results file in it")
+    with contextlib.ExitStack() as stack:
+        with _damage_named(source):
+            _check_seal(source)
+            file = stack.enter_context(h5py.File(source, "r"))
+            results = _read_root(file, source)
+        yield results
+
+
+class _Stored(Mapping[str, Array]):
+    """Variables in a file."""
+
+    def __init__(self, data: Mapping[str, h5py.Dataset], source: Path) -> None:
+        self._data, self._source = data, source
+
+    def __getitem__(self, name: str) -> Array:
+        data = self._data[name]
+        with _damage_named(self._source):
+            values: Array = data[()]
+        return values
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._data)
+
+    def __len__(self) -> int:
+        return len(self._data)
+
+
+def _whole(result: ModelResult) -> ModelResult:
+    return dataclasses.replace(result, variables=dict(result.variables))
+
+
+@contextlib.contextmanager
+def _damage_named(source: Path) -> Iterator[None]:
     try:
-        _check_seal(source)
-        with h5py.File(source, "r") as file:
-            return _read_root(file, source)
+        yield
     except (OSError, KeyError, RuntimeError, ValueError, TypeError) as error:
         raise StoreError(f"{source}: damaged ({error}); {_RERUN}") from error
 
@@ -107,29 +191,41 @@ def load(path: str | os.PathLike[str]) -> Results:
 
 
 def image(results: Results) -> bytes:
-    """Return the bytes of the results file, built without touching the disk."""
-    with _file_in_memory() as file:
-        file.attrs["format"] = FORMAT
-        file.attrs["format_version"] = _version(results)
-        file.attrs["name"] = results.name
-        file.attrs["spec"] = results.spec_text
-        file.attrs["spec_sha256"] = results.spec_sha256
-        for experiment, models in results.experiments.items():
-            parent = _create_group(file, experiment)
-            for label, result in models.items():
-                _write_model(_create_group(parent, label), result)
-        file.flush()
-        data: bytes = file.id.get_file_image()
-    return seal(data)
+    """Return the bytes of the results file."""
+    file = io.BytesIO()
+    _write(results, file)
+    return file.getvalue()
 
 
-def _version(results: Results) -> int:
-    axes = {
-        axis
-        for _, result in results.models()
-        for name in result
-        for axis in dimensions(name, result[name].ndim)
-    }
+def _write(results: Results, target: IO[bytes]) -> None:
+    """Write all of a results file.
+
+    Raises
+    ------
+    OSError
+        If the system refuses.
+    """
+    sink = Sink(target)
+    try:
+        with _fresh_file(sink) as file:
+            file.attrs["format"] = FORMAT
+            file.attrs["format_version"] = 1
+            file.attrs["name"] = results.name
+            file.attrs["spec"] = results.spec_text
+            file.attrs["spec_sha256"] = results.spec_sha256
+            for experiment, models in results.experiments.items():
+                parent = _create_group(file, experiment)
+                for label in models:  # one at a time: not .items(), which holds the last
+                    version = _write_model(_create_group(parent, label), models[label], sink)
+                    if version > file.attrs["format_version"]:
+                        file.attrs.modify("format_version", version)
+    finally:
+        sink.check()  # rather than what HDF5 makes of it
+    seal_file(target)
+
+
+def _version(result: ModelResult) -> int:
+    axes = {axis for name in result for axis in dimensions(name, result[name].ndim)}
     return 1 if axes <= {"realization", "pressure"} else FORMAT_VERSION
 
 
@@ -157,12 +253,12 @@ def _check_seal(source: Path) -> None:
 
 
 @contextlib.contextmanager
-def _file_in_memory() -> Iterator[h5py.File]:
-    """Open a fresh HDF5 file in memory, which keeps the order of its groups, not times."""
+def _fresh_file(sink: Sink) -> Iterator[h5py.File]:
+    """Open a fresh HDF5 file, which keeps the order of its groups, not times."""
     created = h5py.h5p.create(h5py.h5p.FILE_CREATE)
     _keep_order_not_times(created)
     access = h5py.h5p.create(h5py.h5p.FILE_ACCESS)
-    access.set_fapl_core(1 << 20, False)  # noqa: FBT003  (no backing file)
+    access.set_fileobj_driver(h5py.h5fd.fileobj_driver, sink)
     access.set_fclose_degree(h5py.h5f.CLOSE_STRONG)
     # HDF5 wants a name that no other open file of the process has.
     name = f"roughbench-{os.getpid()}-{next(_counter)}"
@@ -182,7 +278,14 @@ def _keep_order_not_times(properties: h5py.h5p.PropOCID) -> None:
     properties.set_obj_track_times(False)
 
 
-def _write_model(group: h5py.Group, result: ModelResult) -> None:
+def _write_model(group: h5py.Group, result: ModelResult, sink: Sink) -> int:
+    """Write the results of one model; returns the least version of the format that knows it.
+
+    Raises
+    ------
+    OSError
+        If the system has refused something.
+    """
     group.attrs["kind"] = result.kind
     group.attrs["title"] = result.title
     for name, value in result.attributes.items():
@@ -192,6 +295,7 @@ def _write_model(group: h5py.Group, result: ModelResult) -> None:
         # The checksum needs a chunked layout: one chunk holds it all, or one field.
         chunks = (1, *values.shape[1:]) if axes[0] == "field" else values.shape
         data = group.create_dataset(name, data=values, chunks=chunks, fletcher32=True)
+        sink.check()
         data.attrs["units"] = result.units(name)
         data.attrs["long_name"] = result.long_name(name)
         if axes == (name,):
@@ -201,6 +305,7 @@ def _write_model(group: h5py.Group, result: ModelResult) -> None:
             axis.attach_scale(group[scale])
     group["status"].attrs["flag_values"] = np.array([int(s) for s in Status], np.int32)
     group["status"].attrs["flag_meanings"] = " ".join(s.name.lower() for s in Status)
+    return _version(result)
 
 
 def _with_scales(result: ModelResult) -> dict[str, Array]:
@@ -273,7 +378,7 @@ def _read_model(group: h5py.Group, label: str, source: Path) -> ModelResult:
     attributes = {name: _plain(value) for name, value in group.attrs.items()}
     kind, title = str(attributes.pop("kind")), str(attributes.pop("title"))
     size = source.stat().st_size
-    variables: dict[str, Array] = {}
+    variables: dict[str, h5py.Dataset] = {}
     for name, data in _members(group, h5py.Dataset, source):
         if data.external or data.is_virtual:
             raise StoreError(
@@ -282,17 +387,17 @@ def _read_model(group: h5py.Group, label: str, source: Path) -> ModelResult:
             )
         if data.dtype not in STORABLE or data.nbytes > size:
             raise ValueError(f"{data.name} claims {data.nbytes} bytes of {data.dtype}")
-        variables[name] = data[()]
+        variables[name] = data
     missing = [name for name in _REQUIRED if name not in variables]
     if missing:
         raise ValueError(f"{group.name} lacks {', '.join(missing)}")
     _check_shapes(variables, group.name)
     for index in ("realization", "field"):
         variables.pop(index, None)
-    return ModelResult(label, kind, title, attributes, variables)
+    return ModelResult(label, kind, title, attributes, _Stored(variables, source))
 
 
-def _check_shapes(variables: dict[str, Array], where: str) -> None:
+def _check_shapes(variables: Mapping[str, Array | h5py.Dataset], where: str) -> None:
     shape = variables["status"].shape
     if len(shape) != 2:
         raise ValueError(f"{where}: status must have two dimensions, got {len(shape)}")

@@ -15,6 +15,7 @@ LAYERS = (
     "errors",
     "publish",
     "seal",
+    "sink",
     "spectrum",
     "surface",
     "heights_file",

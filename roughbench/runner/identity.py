@@ -31,6 +31,10 @@ _PACKAGE = Path(roughbench.models.__file__).parents[1]
 _numerics = re.compile(
     r"roughbench\.(models\.\w+|surface|spectrum|transform|heights_file)\b", re.ASCII
 ).match
+_RESULTS = (
+    *("ensemble", "results", "store", "variables", "spectrum"),
+    *("runner/assemble", "runner/collected", "runner/samples"),
+)
 _SAMPLES = ("surface", "spectrum", "heights_file", "runner.samples")
 
 
@@ -134,6 +138,18 @@ def observing_digest() -> str:
     paths = sorted(Path(roughbench.observables.__file__).parent.glob("*.py"))
     paths.append(_PACKAGE / "runner" / "observing.py")
     return _together([source.digest(path.read_text(encoding="utf-8")) for path in paths])[:8]
+
+
+@functools.cache
+def assembly_digest() -> str:
+    """Return a digest of what the source files compute that make a results file of shards."""
+    names = ("ensemble.py", "results.py", "store.py", "variables.py", "spectrum.py")
+    paths = [_PACKAGE / name for name in names]
+    paths += [
+        _PACKAGE / "runner" / f"{name}.py" for name in ("assemble", "collected", "samples")
+    ]
+    texts = [path.read_text(encoding="utf-8") for path in paths]
+    return _together([*map(source.digest, texts), observing_digest()])
 
 
 def _together(digests: Sequence[str]) -> str:

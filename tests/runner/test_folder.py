@@ -18,9 +18,10 @@ import roughbench as rb
 from roughbench.errors import LockedError
 from roughbench.publish import publish
 from roughbench.runner.compute import Block, compute
-from roughbench.runner.folder import RunFolder, Shard, ShardError
+from roughbench.runner.folder import RunFolder
 from roughbench.runner.identity import Identity, identity, key_of
 from roughbench.runner.plan import Cell, Task, plan
+from roughbench.runner.shards import Shard, ShardError
 from roughbench.runner.usage import Meter
 from roughbench.spec import load_spec
 from tests.runner.fakes import Fake
@@ -41,11 +42,11 @@ def folder(tmp_path: Path) -> RunFolder:
 def written(folder: RunFolder, task: Task) -> tuple[Path, Block, Identity]:
     block, its = compute(task), identity(task.cell, 1)
     with folder.locked("test"):
-        return folder.write(task, block, its, Meter().read()), block, its
+        return folder.write(task, block, its, Meter().read()).path, block, its
 
 
 def assert_same(shard: Shard, task: Task, block: Block) -> None:
-    assert (shard.first, shard.cell) == (2, "main/fake")
+    assert (shard.realizations, shard.cell) == (range(2, 5), "main/fake")
     assert shard.pressures.tolist() == list(task.pressures)
     assert list(shard.block) == list(block)
     for name, values in block.items():
@@ -153,7 +154,7 @@ def named(path: Path, data: bytes) -> Path:
         ({"meta": "", "area": np.zeros((2, 1))}, r"area has the shape \(2, 1\)"),
         ({"meta": "", "area": np.zeros((1, 1), np.float16)}, "area has the shape"),
         ({"meta": ""}, "has no status"),
-        ({"meta": "", "area": np.array([[object()]])}, "allow_pickle"),
+        ({"meta": "", "area": np.array([[object()]])}, "area claims"),
     ],
 )
 def test_what_looks_like_a_shard_is_not_trusted(
