@@ -58,7 +58,7 @@ class Coverage:
         self.cell = cell
         shape = (cell.n_realizations, len(cell.pressures))
         self.known: NDArray[np.bool_] = np.zeros(shape, np.bool_)
-        self.kept = set(cell.asked.kept)
+        self._kept = set(cell.asked.realizations)
         self._columns = {p: column for column, p in enumerate(cell.pressures)}
         self._names: set[str] = set()
 
@@ -101,10 +101,12 @@ class Coverage:
         theirs, ours = (np.array(side) for side in zip(*pairs, strict=True))
         square = np.ix_(rows, ours)
         fresh = ~self.known[square]
-        for realization, pressure in self.kept.difference(fields):
-            if realization in realizations:
-                row = rows == realization
-                fresh[np.ix_(row, ours == self._columns[pressure])] = False
+        asked, there = self.cell.asked, set(fields)
+        for row, realization in enumerate(rows.tolist()):
+            if realization in self._kept:
+                for pressure in asked.pressures:
+                    if (realization, pressure) not in there:
+                        fresh[row, ours == self._columns[pressure]] = False
         if not fresh.any():
             return None
         self._names = given

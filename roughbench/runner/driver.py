@@ -116,7 +116,7 @@ def run(
     >>> [round(a, 5) for a in results["main"]["persson"]["area_mean"].tolist()]
     [0.01596, 0.15852]
     """
-    results = _run(
+    return _run(
         spec,
         output=output,
         jobs=jobs,
@@ -131,7 +131,6 @@ def run(
         cluster=cluster,
         command=command,
     )
-    return load(Path(output or "")) if results is None else results
 
 
 def run_to_file(spec: Source, output: str | os.PathLike[str], **options: Any) -> Path:
@@ -156,7 +155,7 @@ def run_to_file(spec: Source, output: str | os.PathLike[str], **options: Any) ->
     RoughbenchError
         As :func:`run`.
     """
-    _run(spec, output=output, **options)
+    _run(spec, output=output, returned=False, **options)
     return Path(output)
 
 
@@ -175,8 +174,9 @@ def _run(
     log_file: str | os.PathLike[str] | None = None,
     cluster: Cluster | None = None,
     command: str = "",
-) -> Results | None:
-    """Return the results, or None where they are in the results file."""
+    returned: bool = True,
+) -> Results:
+    """Run; unless the results are ``returned``, no more of them than they have in common."""
     resolved = load_spec(spec, overrides)
     limits = _limits(jobs, threads, max_memory, cluster)
     if output is not None:
@@ -198,7 +198,9 @@ def _run(
             desk.finish()
             if folder is not None:
                 _publish(folder, resolved, stocks, command)
-                return None
+                if not returned:
+                    return Results({}, resolved.text, resolved.sha256, resolved.name)
+                return load(folder.results)  # before another run may replace it
             return _results(resolved, stocks)
 
 
