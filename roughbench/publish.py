@@ -8,7 +8,7 @@ import hashlib
 import itertools
 import os
 import stat
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import IO
 
@@ -29,18 +29,37 @@ def publish(write: Callable[[IO[bytes]], object], path: Path) -> None:
     OSError
         If the system refuses; what stood under ``path`` before is still there.
     """
+    with written(write, path) as temporary:
+        put(temporary, path)
+
+
+@contextlib.contextmanager
+def written(write: Callable[[IO[bytes]], object], path: Path) -> Iterator[Path]:
+    """Have ``write`` write a file beside ``path``, on the disk when it is given out.
+
+    It is gone afterwards, unless :func:`put` has made it the file that it is to be.
+
+    Raises
+    ------
+    OSError
+        If the system refuses.
+    """
     temporary = temporary_of(path)
     try:
-        with temporary.open("xb") as file:
+        with temporary.open("x+b") as file:
             _keep_mode(path, file.fileno())
             write(file)
             file.flush()
             os.fsync(file.fileno())
-        temporary.replace(path)
-    except BaseException:
+        yield temporary
+    finally:
         with contextlib.suppress(OSError):
             temporary.unlink()
-        raise
+
+
+def put(temporary: Path, path: Path) -> None:
+    """Give a written file its name, in one step that survives a power cut."""
+    temporary.replace(path)
     _sync_folder(path.parent)
 
 
@@ -87,13 +106,20 @@ def commit(data: bytes, path: str | os.PathLike[str]) -> Path:
         under ``path`` before is still there.
     """
     target = Path(path)
-    try:
+    with refusals_named(target):
         publish(lambda file: file.write(data), target)
+    return target
+
+
+@contextlib.contextmanager
+def refusals_named(target: Path) -> Iterator[None]:
+    """Turn a refusal of the system into a :class:`StoreError` that names the file."""
+    try:
+        yield
     except OSError as error:
         raise StoreError(
             f"cannot write {target}: {explained(error, 'choose another place with -o')}"
         ) from error
-    return target
 
 
 def remove_leftovers(path: Path) -> None:

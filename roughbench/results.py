@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 import textwrap
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -113,6 +113,28 @@ class Models(dict[str, ModelResult]):
 
     def __missing__(self, label: str) -> ModelResult:
         raise _unknown("model", label, list(self))
+
+
+class MadeWhenAsked(Mapping[str, ModelResult]):
+    """Results of models that are made whenever one is asked for, and not kept.
+
+    Parameters
+    ----------
+    make : mapping of str to callable
+        By label.
+    """
+
+    def __init__(self, make: Mapping[str, Callable[[], ModelResult]]) -> None:
+        self._make = make
+
+    def __getitem__(self, label: str) -> ModelResult:
+        return self._make[label]()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._make)
+
+    def __len__(self) -> int:
+        return len(self._make)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

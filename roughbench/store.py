@@ -1,8 +1,8 @@
 """Results on disk: the only module that knows the layout of the HDF5 file.
 
-A file is built as an image in memory and published in one step, so that a reader finds
-either the old file or the whole new one, whatever happens in between. The bytes depend
-on the results alone: no times, no names of machines.
+A file is written beside its place, group by group, and published in one step, so that a
+reader finds either the old file or the whole new one, whatever happens in between. The bytes
+depend on the results alone: no times, no names of machines.
 
 ``/<experiment>/<label>`` holds one model's arrays with dimension scales ``realization``
 and ``pressure``, and those of observables and fields (:mod:`roughbench.variables`); the root
@@ -13,21 +13,26 @@ file stands the checksum of its bytes.
 from __future__ import annotations
 
 import contextlib
-import hashlib
+import dataclasses
+import io
 import itertools
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import IO
 
 import h5py
 import numpy as np
 
 from roughbench.errors import StoreError, explained
 from roughbench.models.base import Status
-from roughbench.outputs import Kind, write_output
+from roughbench.outputs import Kind, check_output
 from roughbench.program import command, program
+from roughbench.publish import put, refusals_named, written
 from roughbench.results import Array, Attribute, ModelResult, Results
+from roughbench.seal import check_seal, has_mark, seal_file
+from roughbench.sink import Sink
 from roughbench.text import on_one_line, printable, unsafe_character
 from roughbench.variables import STORABLE, dimensions, fits
 
@@ -39,9 +44,6 @@ FORMAT_VERSION = 2
 which older versions read."""
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
-_SEAL = b"\nroughbench-sha256:"
-_SEAL_LENGTH = len(_SEAL) + 65
-
 _ATTRIBUTES = (b"format_version", b"spec_sha256")
 _BEFORE_ATTRIBUTES = 512
 """Bytes at the beginning that hold nothing of anybody."""
@@ -71,7 +73,26 @@ def write_results(results: Results, path: str | os.PathLike[str]) -> Path:
     StoreError
         If the file cannot be written, or stands where another file is.
     """
-    return write_output(image(results), path, RESULTS)
+    target = check_output(path, RESULTS)
+    with refusals_named(target), written_results(results, target) as temporary:
+        put(temporary, target)
+    return Path(path)
+
+
+@contextlib.contextmanager
+def written_results(results: Results, path: Path) -> Iterator[Path]:
+    """Write a results file beside its place, for :func:`roughbench.publish.put`.
+
+    Needs the memory of one model's results at a time, where ``results`` makes them one at a
+    time.
+
+    Raises
+    ------
+    OSError
+        If the system refuses.
+    """
+    with written(lambda file: _write(results, file), path) as temporary:
+        yield temporary
 
 
 def load(path: str | os.PathLike[str]) -> Results:
@@ -93,6 +114,36 @@ def load(path: str | os.PathLike[str]) -> Results:
         format, it is damaged, refers to other files, has names that roughbench gives to
         nothing, or claims more than it holds. Texts are escaped where they do not print.
     """
+    with opened(path) as results:
+        return Results(
+            {
+                experiment: {label: _whole(models[label]) for label in models}
+                for experiment, models in results.items()
+            },
+            results.spec_text,
+            results.spec_sha256,
+            results.name,
+        )
+
+
+@contextlib.contextmanager
+def opened(path: str | os.PathLike[str]) -> Iterator[Results]:
+    """Give the content of a results file, of which each variable is read when asked for.
+
+    Parameters
+    ----------
+    path : str or path
+
+    Yields
+    ------
+    Results
+        As :func:`load` returns them; of no use afterwards.
+
+    Raises
+    ------
+    StoreError
+        As :func:`load`.
+    """
     source = Path(path)
     try:
         if source.is_dir():
@@ -105,10 +156,41 @@ def load(path: str | os.PathLike[str]) -> Results:
         raise StoreError(f"{source}: no such file; {_rerun()} or check the name") from None
     except OSError as error:
         raise StoreError(f"{source}: cannot be read: {explained(error)}") from error
+    with contextlib.ExitStack() as stack:
+        with _damage_named(source):
+            _check_seal(source)
+            file = stack.enter_context(h5py.File(source, "r"))
+            results = _read_root(file, source)
+        yield results
+
+
+class _Stored(Mapping[str, Array]):
+    """Variables in a file."""
+
+    def __init__(self, data: Mapping[str, h5py.Dataset], source: Path) -> None:
+        self._data, self._source = data, source
+
+    def __getitem__(self, name: str) -> Array:
+        data = self._data[name]
+        with _damage_named(self._source):
+            values: Array = data[()]
+        return values
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._data)
+
+    def __len__(self) -> int:
+        return len(self._data)
+
+
+def _whole(result: ModelResult) -> ModelResult:
+    return dataclasses.replace(result, variables=dict(result.variables))
+
+
+@contextlib.contextmanager
+def _damage_named(source: Path) -> Iterator[None]:
     try:
-        _check_seal(source)
-        with h5py.File(source, "r") as file:
-            return _read_root(file, source)
+        yield
     except (OSError, KeyError, RuntimeError, ValueError, TypeError) as error:
         raise StoreError(f"{source}: damaged ({error}); {_rerun()}") from error
 
@@ -136,7 +218,7 @@ def whose(path: str | os.PathLike[str]) -> tuple[str, str] | None:
 
 def _is_results(head: bytes, tail: bytes) -> bool:
     """Whether a file is one of ours, perhaps damaged at one end."""
-    if _SEAL in tail[-2 * _SEAL_LENGTH :]:
+    if has_mark(io.BytesIO(tail)):
         return True
     return head.startswith(_HDF5) and all(word in head for word in _ATTRIBUTES)
 
@@ -151,50 +233,61 @@ RESULTS_OR_STUMP = Kind("results file", lambda h, t: _is_results(h, t) or _is_st
 
 
 def image(results: Results) -> bytes:
-    """Return the bytes of the results file, built without touching the disk."""
-    with _file_in_memory() as file:
-        file.attrs["format"] = FORMAT
-        file.attrs["format_version"] = _version(results)
-        file.attrs["name"] = results.name
-        file.attrs["spec"] = results.spec_text
-        file.attrs["spec_sha256"] = results.spec_sha256
-        for experiment, models in results.experiments.items():
-            parent = _create_group(file, experiment)
-            for label, result in models.items():
-                _write_model(_create_group(parent, label), result)
-        file.flush()
-        data: bytes = file.id.get_file_image()
-    return seal(data)
+    """Return the bytes of the results file."""
+    file = io.BytesIO()
+    _write(results, file)
+    return file.getvalue()
 
 
-def _version(results: Results) -> int:
-    axes = {
-        axis
-        for _, result in results.models()
-        for name in result
-        for axis in dimensions(name, result[name].ndim)
-    }
+def _write(results: Results, target: IO[bytes]) -> None:
+    """Write all of a results file.
+
+    Raises
+    ------
+    OSError
+        If the system refuses.
+    """
+    sink = Sink(target)
+    try:
+        with _fresh_file(sink) as file:
+            file.attrs["format"] = FORMAT
+            file.attrs["format_version"] = 1
+            file.attrs["name"] = results.name
+            file.attrs["spec"] = results.spec_text
+            file.attrs["spec_sha256"] = results.spec_sha256
+            for experiment, models in results.experiments.items():
+                parent = _create_group(file, experiment)
+                for label in models:  # one at a time: not .items(), which holds the last
+                    version = _write_model(_create_group(parent, label), models[label], sink)
+                    if version > file.attrs["format_version"]:
+                        file.attrs.modify("format_version", version)
+    finally:
+        sink.check()  # rather than what HDF5 makes of it
+    seal_file(target)
+
+
+def _version(result: ModelResult) -> int:
+    axes = {axis for name in result for axis in dimensions(name, result[name].ndim)}
     return 1 if axes <= {"realization", "pressure"} else FORMAT_VERSION
 
 
-def seal(data: bytes) -> bytes:
-    """Return the bytes of an HDF5 file with their checksum behind them.
-
-    HDF5 ignores what stands there. It checks the arrays on its own, but a damage elsewhere
-    may be read without notice, or make it loop for ever.
-    """
-    return data + _SEAL + hashlib.sha256(data).hexdigest().encode() + b"\n"
-
-
 def _check_seal(source: Path) -> None:
-    """Refuse a file whose bytes are not those that were written."""
-    data = source.read_bytes()
-    inner = data[:-_SEAL_LENGTH]
-    if data == seal(inner):
-        return
-    if _SEAL in data[-2 * _SEAL_LENGTH :]:
-        raise ValueError("its content does not match its checksum")
-    if data.startswith(_HDF5):
+    """Refuse a file whose bytes are not those that were written.
+
+    HDF5 checks the arrays on its own, but a damage elsewhere may be read without notice, or
+    make it loop for ever.
+    """
+    with source.open("rb") as file:
+        try:
+            check_seal(file)
+        except ValueError:
+            if has_mark(file):
+                raise
+            file.seek(0)
+            begins = file.read(len(_HDF5))
+        else:
+            return
+    if begins == _HDF5:
         raise StoreError(
             f"{source}: an HDF5 file, but not written by roughbench, or cut short; give a "
             f"results file of 'roughbench run', or {_rerun()}"
@@ -211,12 +304,12 @@ def _rerun() -> str:
 
 
 @contextlib.contextmanager
-def _file_in_memory() -> Iterator[h5py.File]:
-    """Open a fresh HDF5 file in memory, which keeps the order of its groups, not times."""
+def _fresh_file(sink: Sink) -> Iterator[h5py.File]:
+    """Open a fresh HDF5 file, which keeps the order of its groups, not times."""
     created = h5py.h5p.create(h5py.h5p.FILE_CREATE)
     _keep_order_not_times(created)
     access = h5py.h5p.create(h5py.h5p.FILE_ACCESS)
-    access.set_fapl_core(1 << 20, False)  # noqa: FBT003  (no backing file)
+    access.set_fileobj_driver(h5py.h5fd.fileobj_driver, sink)
     access.set_fclose_degree(h5py.h5f.CLOSE_STRONG)
     # HDF5 wants a name that no other open file of the process has.
     name = f"roughbench-{os.getpid()}-{next(_counter)}"
@@ -236,7 +329,14 @@ def _keep_order_not_times(properties: h5py.h5p.PropOCID) -> None:
     properties.set_obj_track_times(False)
 
 
-def _write_model(group: h5py.Group, result: ModelResult) -> None:
+def _write_model(group: h5py.Group, result: ModelResult, sink: Sink) -> int:
+    """Write the results of one model; returns the least version of the format that knows it.
+
+    Raises
+    ------
+    OSError
+        If the system has refused something.
+    """
     group.attrs["kind"] = result.kind
     group.attrs["title"] = result.title
     for name, value in result.attributes.items():
@@ -246,6 +346,7 @@ def _write_model(group: h5py.Group, result: ModelResult) -> None:
         # The checksum needs a chunked layout: one chunk holds it all, or one field.
         chunks = (1, *values.shape[1:]) if axes[0] == "field" else values.shape
         data = group.create_dataset(name, data=values, chunks=chunks, fletcher32=True)
+        sink.check()
         data.attrs["units"] = result.units(name)
         data.attrs["long_name"] = result.long_name(name)
         if axes == (name,):
@@ -255,6 +356,7 @@ def _write_model(group: h5py.Group, result: ModelResult) -> None:
             axis.attach_scale(group[scale])
     group["status"].attrs["flag_values"] = np.array([int(s) for s in Status], np.int32)
     group["status"].attrs["flag_meanings"] = " ".join(s.name.lower() for s in Status)
+    return _version(result)
 
 
 def _with_scales(result: ModelResult) -> dict[str, Array]:
@@ -365,7 +467,7 @@ def _read_model(group: h5py.Group, label: str, budget: _Budget) -> ModelResult:
         value = _attribute(group, name, budget)
         attributes[name] = on_one_line(value) if isinstance(value, str) else value
     kind, title = str(attributes.pop("kind")), str(attributes.pop("title"))
-    variables: dict[str, Array] = {}
+    variables: dict[str, h5py.Dataset] = {}
     for name, data in _members(group, h5py.Dataset, budget):
         if data.external or data.is_virtual:
             raise StoreError(
@@ -378,14 +480,14 @@ def _read_model(group: h5py.Group, label: str, budget: _Budget) -> ModelResult:
         # A chunk is read whole, and may be larger than the array.
         if math.prod(data.chunks or ()) * data.dtype.itemsize > max(data.nbytes, _LEAST_CHUNK):
             raise ValueError(f"{data.name} has chunks of {data.chunks} for {data.shape}")
-        variables[name] = data[()]
+        variables[name] = data
     missing = [name for name in _REQUIRED if name not in variables]
     if missing:
         raise ValueError(f"{group.name} lacks {', '.join(missing)}")
     _check_shapes(variables, group.name)
     for index in ("realization", "field"):
         variables.pop(index, None)
-    return ModelResult(label, kind, title, attributes, variables)
+    return ModelResult(label, kind, title, attributes, _Stored(variables, budget.source))
 
 
 def _attribute(owner: h5py.Group, name: str, budget: _Budget) -> Attribute:
@@ -400,7 +502,7 @@ def _attribute(owner: h5py.Group, name: str, budget: _Budget) -> Attribute:
     return value
 
 
-def _check_shapes(variables: dict[str, Array], where: str) -> None:
+def _check_shapes(variables: Mapping[str, Array | h5py.Dataset], where: str) -> None:
     shape = variables["status"].shape
     if len(shape) != 2:
         raise ValueError(f"{where}: status must have two dimensions, got {len(shape)}")

@@ -20,6 +20,8 @@ LAYERS = (
     "inputs",
     "publish",
     "outputs",
+    "seal",
+    "sink",
     "spectrum",
     "surface",
     "heights_file",

@@ -24,6 +24,7 @@ from roughbench import store
 from roughbench.errors import StoreError
 from roughbench.outputs import check_output
 from roughbench.results import Array, Attribute, ModelResult, Results
+from roughbench.seal import seal
 from roughbench.store import load, write_results
 from roughbench.variables import dimensions
 
@@ -410,7 +411,7 @@ def test_refuses_a_changed_file(
         change(file)
     with pytest.raises(StoreError, match=r"its content does not match|or cut short"):
         load(path)
-    path.write_bytes(store.seal(path.read_bytes()))  # as only a forger would
+    path.write_bytes(seal(path.read_bytes()))  # as only a forger would
     with pytest.raises(StoreError, match=message) as caught:
         load(path)
     assert str(path) in str(caught.value)
@@ -443,7 +444,7 @@ def crafted(path: Path, place: str, name: str) -> Path:
     new = name.encode().ljust(len(placeholder), b"X") if name else placeholder
     assert data.count(placeholder) == 1
     assert len(new) == len(placeholder)
-    path.write_bytes(store.seal(data.replace(placeholder, new)))
+    path.write_bytes(seal(data.replace(placeholder, new)))
     return path
 
 
@@ -490,7 +491,7 @@ def test_a_small_file_costs_little_memory(tmp_path: Path) -> None:
         group["area"] = np.zeros((100, 1000))
         for number in range(20_000):
             group[f"a{number}"] = group["area"]
-    path.write_bytes(store.seal(path.read_bytes()))
+    path.write_bytes(seal(path.read_bytes()))
     assert path.stat().st_size < 3e6  # and 16 GB, if every link were read
     tracemalloc.start()
     with pytest.raises(StoreError, match="stands in it under two names"):
@@ -498,6 +499,19 @@ def test_a_small_file_costs_little_memory(tmp_path: Path) -> None:
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert peak < 4 * path.stat().st_size + 10e6
+
+
+def test_the_checksum_takes_no_memory(tmp_path: Path) -> None:
+    """Read in blocks; all of a file at once, thrice, before."""
+    values = np.zeros((1, 2_000_000))
+    variables = {"pressure": values[0], "status": values.astype(np.int32)}
+    big = Results({"main": {"m": ModelResult("m", "k", "T", {}, variables)}}, "", "")
+    target = write_results(big, tmp_path / "big.h5")
+    tracemalloc.start()
+    store._check_seal(target)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < target.stat().st_size / 5
 
 
 def test_refuses_a_cut_file(path: Path) -> None:
@@ -517,7 +531,7 @@ def test_flipped_bits_in_the_values_are_found(path: Path) -> None:
     path.write_bytes(data)
     with pytest.raises(StoreError, match="damaged"):
         load(path)
-    path.write_bytes(store.seal(bytes(data)))  # HDF5 has its own checksum
+    path.write_bytes(seal(bytes(data)))  # HDF5 has its own checksum
     with pytest.raises(StoreError, match="damaged"):
         load(path)
 

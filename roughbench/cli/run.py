@@ -14,7 +14,7 @@ from roughbench.program import command as command_line
 from roughbench.text import on_one_line
 
 if TYPE_CHECKING:
-    from roughbench.results import Results
+    from roughbench.runner import Account
     from roughbench.spec import Spec
 
 
@@ -145,7 +145,7 @@ def command(
     counted in the file and reported here. Observables and fields that SPEC asks for are
     taken from the states as they are solved.
     """
-    from roughbench.runner import Cluster, preview, run
+    from roughbench.runner import Cluster, accounts, preview, run_to_file
     from roughbench.spec import load_spec
 
     start = time.monotonic()
@@ -168,18 +168,19 @@ def command(
         click.echo(_total([part.tasks for part in parts], sum(part.seconds for part in parts)))
         return
     with progress_shown(quiet=quiet, verbose=verbose) as progress:
-        results = run(
+        run_to_file(
             loaded,
-            output=target,
+            target,
             progress=progress,
             cluster=cluster,
             command=line or "",
             **options,
         )
-    for text in _unconverged(results):
+    models = accounts(target)
+    for text in _unconverged(models):
         click.echo(text, err=True)
     if not quiet:
-        click.echo(_summary(results, target, time.monotonic() - start), err=True)
+        click.echo(_summary(models, target, time.monotonic() - start), err=True)
         for text in _without_fields(loaded):
             click.echo(text, err=True)
     click.echo(target)
@@ -205,12 +206,12 @@ def _total(tasks: list[int], seconds: float) -> str:
     return f"{sum(tasks)} tasks to compute, about {duration(seconds)} of one core"
 
 
-def _unconverged(results: Results) -> list[str]:
+def _unconverged(models: list[Account]) -> list[str]:
     return [
-        f"warning: {experiment}/{result.label}: {result.n_unconverged} of {result.n_states} "
+        f"warning: {model.name}: {model.unconverged} of {model.states} "
         "states did not converge; they are left out of the averages"
-        for experiment, result in results.models()
-        if result.n_unconverged
+        for model in models
+        if model.unconverged
     ]
 
 
@@ -226,18 +227,12 @@ def _without_fields(spec: Spec) -> list[str]:
     return [f"note: no observables, as without fields: {', '.join(names)}"] if names else []
 
 
-def _summary(results: Results, target: Path, elapsed: float) -> str:
-    from roughbench.runner import spent_on
-
-    spent = spent_on(target)
-    lines = []
-    for experiment, result in results.models():
-        name = f"{experiment}/{result.label}"
-        line = f"  {name}: {result.n_realizations} × {len(result['pressure'])}"
-        if name in spent:
-            seconds, memory = spent[name]
-            line += f", {duration(seconds)} of tasks, {memory / 1e9:.2f} GB at most"
-        lines.append(line)
+def _summary(models: list[Account], target: Path, elapsed: float) -> str:
+    lines = [
+        f"  {model.name}: {model.realizations} × {model.pressures}, {duration(model.seconds)} "
+        f"of tasks, {model.memory / 1e9:.2f} GB at most"
+        for model in models
+    ]
     return "\n".join(
         [
             f"done in {duration(elapsed)}; realizations × pressures:",

@@ -31,8 +31,13 @@ def command(results: Path, as_json: bool) -> None:  # noqa: FBT001
     and what is not defined is null.
     """
     from roughbench.cli.tables import as_text, to_json
-    from roughbench.store import load
+    from roughbench.store import opened
     from roughbench.text import on_one_line
 
-    loaded = load(results)
-    click.echo(to_json(loaded) if as_json else as_text(loaded, on_one_line(str(results))))
+    with opened(results) as content:
+        if not as_json:
+            click.echo(as_text(content, on_one_line(str(results))))
+            return
+        for piece in to_json(content):
+            click.echo(piece, nl=False)
+        click.echo()

@@ -37,6 +37,8 @@ def command(path: Path, as_json: bool) -> None:  # noqa: FBT001
     lines.append(
         f"{state.results}: {state.state}, {state.done} of {state.states} states are done"
     )
+    if state.note:
+        click.echo(state.note)
     if state.holder:
         host, process = state.holder.get("host"), state.holder.get("process")
         lines.append(f"process {process} on {host} since {state.holder.get('since')}")

@@ -103,40 +103,57 @@ def _with_error(mean: float, sem: float) -> str:
     return value if math.isnan(sem) else f"{value} ± {sem:.1e}"
 
 
-def to_json(results: Results) -> str:
-    """Return all that a results file holds as strict JSON.
+def to_json(results: Results) -> Iterator[str]:
+    """Yield all that a results file holds as strict JSON, piece by piece.
 
     Infinities become the strings "inf" and "-inf", nan becomes null; all other numbers
-    carry their full precision.
+    carry their full precision. No piece is longer than a row of an array.
     """
-    content = {
-        "name": results.name,
-        "spec": results.spec_text,
-        "spec_sha256": results.spec_sha256,
-        "experiments": {
-            experiment: {label: _model_as_json(result) for label, result in models.items()}
-            for experiment, models in results.items()
-        },
-    }
-    return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False)
+    head = {"name": results.name, "spec": results.spec_text, "spec_sha256": results.spec_sha256}
+    yield "{\n"
+    yield from (f" {_json(key)}: {_json(value)},\n" for key, value in head.items())
+    yield ' "experiments": {'
+    for number, (experiment, models) in enumerate(results.items()):
+        yield f"{',' * (number > 0)}\n  {_json(experiment)}: {{"
+        for place, label in enumerate(models):
+            yield f"{',' * (place > 0)}\n   {_json(label)}: "
+            yield from _model_as_json(models[label])
+        yield "\n  }"
+    yield "\n }\n}"
 
 
-def _model_as_json(result: ModelResult) -> dict[str, object]:
-    return {
+def _model_as_json(result: ModelResult) -> Iterator[str]:
+    head = {
         "kind": result.kind,
         "title": result.title,
         "n_realizations": result.n_realizations,
         "n_unconverged": result.n_unconverged,
         "attributes": {name: _json_number(value) for name, value in result.attributes.items()},
         "units": {name: result.units(name) for name in result},
-        "variables": {name: _json_list(result[name]) for name in result},
     }
+    yield "{\n"
+    yield from (f"    {_json(key)}: {_json(value)},\n" for key, value in head.items())
+    yield '    "variables": {'
+    for number, name in enumerate(result):
+        yield f"{',' * (number > 0)}\n     {_json(name)}: "
+        yield from _json_array(result[name])
+    yield "\n    }\n   }"
 
 
-def _json_list(values: Array) -> list[object]:
-    if values.ndim > 1:
-        return [_json_list(row) for row in values]
-    return [_json_number(value) for value in values.tolist()]
+def _json_array(values: Array) -> Iterator[str]:
+    if values.ndim < 2:
+        row = values.tolist()
+        yield _json(row if np.isfinite(values).all() else [_json_number(v) for v in row])
+        return
+    yield "["
+    for number, row in enumerate(values):
+        yield ",\n      " * (number > 0)
+        yield from _json_array(row)
+    yield "]"
+
+
+def _json(value: object) -> str:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False)
 
 
 def _json_number(value: str | float) -> str | float | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from roughbench.errors import SpecError
 from roughbench.results import Results
-from roughbench.spec import SelfAffineSurface, Spec, load_spec
+from roughbench.spec import SelfAffineSurface, Spec, parse_spec
 
 Experiment = tuple[str, SelfAffineSurface, Spec]
 
@@ -12,7 +12,7 @@ Experiment = tuple[str, SelfAffineSurface, Spec]
 def spec_fault(results: Results) -> str | None:
     """Return what is wrong with the spec in the results, in words of what is needed."""
     try:
-        load_spec(_text(results))
+        parse_spec(results.spec_text)
     except SpecError as error:
         return f"the results' spec, which cannot be read: {error.faults[0]}"
     return None
@@ -28,10 +28,6 @@ def self_affine_experiments(results: Results) -> list[Experiment]:
     """
     return [
         (name, spec.surface, spec)
-        for name, spec in load_spec(_text(results)).experiments()
+        for name, spec in parse_spec(results.spec_text).experiments()
         if isinstance(spec.surface, SelfAffineSurface) and name in results
     ]
-
-
-def _text(results: Results) -> str:
-    return f"{results.spec_text}\n"  # a line break tells it from the name of a file

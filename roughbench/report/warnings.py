@@ -15,7 +15,7 @@ from roughbench.models.base import Status
 from roughbench.report.markup import number
 from roughbench.report.sources import Source
 from roughbench.results import ModelResult
-from roughbench.spec import load_spec
+from roughbench.spec import parse_spec
 
 FEWEST_REALIZATIONS = 5
 LARGE_ERROR = 0.1
@@ -238,7 +238,7 @@ def _medians(result: ModelResult, where: str) -> Iterator[Remark]:
 
 def _missing_parts(source: Source) -> Iterator[Remark]:
     try:
-        spec = load_spec(source.results.spec_text)
+        spec = parse_spec(source.results.spec_text)
         experiments = spec.experiments()
     except SpecError:
         yield _warning(

@@ -8,9 +8,9 @@ jobs, to the last bit.
 from __future__ import annotations
 
 from roughbench.runner.cluster import Cluster
-from roughbench.runner.driver import preview, run
+from roughbench.runner.driver import preview, run, run_to_file
 from roughbench.runner.folder import folder_of
-from roughbench.runner.inspection import State, clean, spent_on, status, verify
+from roughbench.runner.inspection import Account, State, accounts, clean, status, verify
 from roughbench.runner.overview import Part
 from roughbench.runner.plan import check, plan
 from roughbench.runner.progress import Progress, Report
@@ -18,11 +18,13 @@ from roughbench.runner.resources import available_cores
 from roughbench.runner.samples import make_sample
 
 __all__ = [
+    "Account",
     "Cluster",
     "Part",
     "Progress",
     "Report",
     "State",
+    "accounts",
     "available_cores",
     "check",
     "clean",
@@ -31,7 +33,7 @@ __all__ = [
     "plan",
     "preview",
     "run",
-    "spent_on",
+    "run_to_file",
     "status",
     "verify",
 ]

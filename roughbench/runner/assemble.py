@@ -46,7 +46,7 @@ def assemble(cell: Cell, block: Block) -> ModelResult:
         label=cell.model.name,
         kind=cell.model.kind,
         title=cell.model.title,
-        attributes=describe(cell.surface, cell.model)
+        attributes=describe(cell.surface, cell.model, cell.heights)
         | {"seed": cell.seed}
         | observing.attributes(cell),
         variables=variables,

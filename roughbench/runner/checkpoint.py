@@ -1,14 +1,14 @@
 """The finished states of a long curve, kept so that a kill costs no more than one.
 
 A checkpoint is scratch: it is there from the first states of a curve until the shard of
-the whole curve is, and one that is damaged only costs time.
+the whole curve is. It ends with its checksum and knows its name; with any trouble, it is none,
+which only costs time.
 """
 
 from __future__ import annotations
 
 import contextlib
 import time
-import zipfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,14 +20,14 @@ from numpy.typing import NDArray
 
 from roughbench.models.base import Snapshot
 from roughbench.publish import publish
+from roughbench.seal import check_seal, seal_file
 
 SECONDS_BETWEEN = 10.0
 """A state that took less is not worth a checkpoint of its own."""
 COST = 0.05
 """Largest share of the time that goes into writing them."""
 
-_DONE = "roughbench_done"
-_DAMAGED = (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile)
+_DONE, _NAME = "roughbench_done", "roughbench_name"
 
 
 @dataclass(slots=True)
@@ -52,11 +52,12 @@ class Checkpoint:
         now = time.monotonic()
         if now - self._last < max(SECONDS_BETWEEN, self._cost / COST):
             return
-        arrays = {_DONE: np.array(done), **snapshot()}
+        arrays = {_DONE: np.array(done), _NAME: self._name(), **snapshot()}
 
         def write(file: IO[bytes]) -> None:
             # Straight to disk: they may be large.
             np.savez(file, **arrays)  # type: ignore[arg-type]
+            seal_file(file)
 
         with contextlib.suppress(OSError):
             publish(write, self.path)
@@ -65,21 +66,29 @@ class Checkpoint:
 
     def load(self) -> tuple[int, Mapping[str, NDArray[Any]]] | None:
         """Return the number of finished states and the snapshot, or None for none."""
-        with contextlib.suppress(*_DAMAGED), self._opened() as file:
+        with contextlib.suppress(Exception), self._opened() as file:
             arrays = {name: file[name] for name in file.files}
-            return int(arrays.pop(_DONE)), arrays
+            if np.array_equal(arrays.pop(_NAME), self._name()):
+                return int(arrays.pop(_DONE)), arrays
         return None
 
     def done(self) -> int:
         """Return the number of states that a kill would not cost."""
-        with contextlib.suppress(*_DAMAGED), self._opened() as file:
-            return int(file[_DONE])
+        with contextlib.suppress(Exception), self._opened() as file:
+            if np.array_equal(file[_NAME], self._name()):
+                return int(file[_DONE])
         return 0
 
     @contextlib.contextmanager
     def _opened(self) -> Iterator[NpzFile]:
-        with self.path.open("rb") as raw, np.load(raw, allow_pickle=False) as file:
-            yield file
+        with self.path.open("rb") as raw:
+            check_seal(raw)
+            raw.seek(0)
+            with np.load(raw, allow_pickle=False) as file:
+                yield file
+
+    def _name(self) -> NDArray[np.uint8]:
+        return np.frombuffer(self.path.name.encode(), np.uint8)
 
     def remove(self) -> None:
         """Remove the file, if there is one."""

@@ -1,22 +1,48 @@
-"""The states of a cell as they come in, and those that are still missing."""
+"""Which states of a cell there are, and their values put together."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
 from itertools import groupby
 
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.models.base import FloatArray
+from roughbench.models.base import FloatArray, IntArray
 from roughbench.results import Array
 from roughbench.runner.compute import Block
 from roughbench.runner.plan import Cell
 from roughbench.variables import FIELD_VARIABLES, dimensions
 
+Place = tuple[int, float]
+"""Realization and nominal pressure of a field."""
 
-class Collected:
-    """All states of a cell: each is missing until a block brings it, with its field if asked.
+
+@dataclass(frozen=True, slots=True)
+class Taken:
+    """What a cell takes of a block.
+
+    Attributes
+    ----------
+    rows : ndarray of int, shape (rows,)
+        Realizations of the cell, those of the first rows of the block.
+    theirs, ours : ndarray of int, shape (columns,)
+        Columns of the block, and those of the cell that they belong to.
+    fresh : ndarray of bool, shape (rows, columns)
+        Which of these states the block brings.
+    """
+
+    rows: NDArray[np.intp]
+    theirs: NDArray[np.intp]
+    ours: NDArray[np.intp]
+    fresh: NDArray[np.bool_]
+
+
+class Coverage:
+    """Which states of a cell there are: each is missing until a block brings it.
+
+    A state whose field is asked for comes with its field, or not at all.
 
     Parameters
     ----------
@@ -32,78 +58,60 @@ class Collected:
         self.cell = cell
         shape = (cell.n_realizations, len(cell.pressures))
         self.known: NDArray[np.bool_] = np.zeros(shape, np.bool_)
+        self._kept = set(cell.asked.realizations)
         self._columns = {p: column for column, p in enumerate(cell.pressures)}
-        self._values: Block = {}
-        self._kept = set(cell.asked.kept)
-        self._fields: dict[tuple[int, float], tuple[Array, Array]] = {}
+        self._names: set[str] = set()
 
-    def add(self, first: int, pressures: FloatArray, block: Block) -> int:
-        """Take over what the cell needs of a block; states that are known stay as they are.
+    def take(
+        self,
+        realizations: range,
+        pressures: FloatArray,
+        names: Iterable[str],
+        fields: Collection[Place],
+    ) -> Taken | None:
+        """Take over what the cell needs of a block; None for nothing.
 
         Parameters
         ----------
-        first : int
-            Realization of the block's first row.
+        realizations : range
+            Of the block's rows.
         pressures : ndarray of float64, shape (pressures,)
             p/E* of the block's columns.
-        block : dict of str to ndarray
-
-        Returns
-        -------
-        int
-            Number of states that it brought.
+        names : iterable of str
+            Of the block's variables.
+        fields : collection of Place
+            Those that the block has.
 
         Raises
         ------
         ValueError
             If the block has other variables than those before.
         """
-        n_rows = min(len(block["status"]), self.cell.n_realizations - first)
+        rows = np.arange(realizations.start, min(realizations.stop, len(self.known)))
         pairs = [
             (column, self._columns[p])
             for column, p in enumerate(pressures.tolist())
             if p in self._columns
         ]
-        if n_rows <= 0 or not pairs:
-            return 0
-        given = {name: v for name, v in block.items() if name not in FIELD_VARIABLES}
-        if self._values and self._values.keys() != given.keys():
-            raise ValueError(f"has the variables {sorted(given)}, not {sorted(self._values)}")
+        if not rows.size or not pairs:
+            return None
+        given = {name for name in names if name not in FIELD_VARIABLES}
+        if self._names and self._names != given:
+            raise ValueError(f"has the variables {sorted(given)}, not {sorted(self._names)}")
         theirs, ours = (np.array(side) for side in zip(*pairs, strict=True))
-        rows = np.arange(first, first + n_rows)
         square = np.ix_(rows, ours)
         fresh = ~self.known[square]
-        fields = _fields_of(block)
-        for realization, pressure in self._kept - fields.keys():
-            if realization in rows:
-                fresh[realization - first, ours == self._columns[pressure]] = False
-        new_rows = fresh.any(axis=1)
-        if not new_rows.any():
-            return 0
-        for name, values in given.items():
-            axes = dimensions(name)
-            target = self._target(name, values)
-            if axes == ("realization",):
-                target[rows[new_rows]] = values[:n_rows][new_rows]
-            elif axes[0] == "realization":
-                chosen = fresh.reshape(*fresh.shape, *(1,) * (values.ndim - 2))
-                target[square] = np.where(chosen, values[:n_rows][:, theirs], target[square])
-            elif not np.array_equal(values, target):
-                raise ValueError(f"has another {name} than the states before")
-        for place in self._kept & fields.keys():
-            self._fields.setdefault(place, fields[place])
+        asked, there = self.cell.asked, set(fields)
+        for row, realization in enumerate(rows.tolist()):
+            if realization in self._kept:
+                for pressure in asked.pressures:
+                    if (realization, pressure) not in there:
+                        fresh[row, ours == self._columns[pressure]] = False
+        if not fresh.any():
+            return None
+        self._names = given
         self.known[square] |= fresh
-        return int(np.count_nonzero(fresh))
-
-    def _target(self, name: str, values: Array) -> Array:
-        if name not in self._values:
-            axes = dimensions(name)
-            if axes[0] != "realization":
-                self._values[name] = values
-            else:
-                shape = self.known.shape[: len(axes)] + values.shape[2:]
-                self._values[name] = np.zeros(shape, values.dtype)
-        return self._values[name]
+        return Taken(rows, theirs, ours, fresh)
 
     @property
     def complete(self) -> bool:
@@ -134,43 +142,113 @@ class Collected:
             start += len(rows)
         return groups
 
-    @property
-    def n_unconverged(self) -> int:
-        """Number of known states that did not converge."""
-        status = self._values.get("status")
-        return 0 if status is None else int(np.count_nonzero(status[self.known]))
+
+class Collected:
+    """The values of all states of a cell, block by block.
+
+    Blocks that come in another order, or in other cuts, make the same values: of several
+    that have a state the first counts, and they come in the order of the shards' names.
+
+    Parameters
+    ----------
+    cell : Cell
+    """
+
+    def __init__(self, cell: Cell) -> None:
+        self._coverage = Coverage(cell)
+        self._values: Block = {}
+        self._fields: Block = {}
+        self._places = {place: number for number, place in enumerate(sorted(cell.asked.kept))}
+        self._entered: set[Place] = set()
+
+    def add(
+        self,
+        realizations: range,
+        pressures: FloatArray,
+        variables: Mapping[str, Array],
+        fields: Collection[Place],
+    ) -> None:
+        """Take over what the cell needs of a block; states that are known stay as they are.
+
+        Parameters
+        ----------
+        realizations, pressures, fields
+            As for :meth:`Coverage.take`; the fields in the order of the block.
+        variables : mapping of str to ndarray
+            Asked one by one, and each at most once.
+
+        Raises
+        ------
+        ValueError
+            If the block has other variables, or other bins, than those before.
+        """
+        taken = self._coverage.take(realizations, pressures, variables, fields)
+        if taken is None:
+            return
+        for name in variables:
+            if name not in FIELD_VARIABLES:
+                self._enter(name, variables[name], taken)
+        wanted = [
+            (number, self._places[place])
+            for number, place in enumerate(fields)
+            if place in self._places and place not in self._entered
+        ]
+        if wanted:
+            theirs, ours = (list(side) for side in zip(*wanted, strict=True))
+            for name in ("field_pressure", "field_gap"):
+                values = variables[name]
+                shape = (len(self._places), *values.shape[1:])
+                target = self._fields.setdefault(name, np.empty(shape, values.dtype))
+                for here, there in zip(ours, theirs, strict=True):
+                    target[here] = values[there]
+            self._entered.update(place for place in fields if place in self._places)
+
+    def _enter(self, name: str, values: Array, taken: Taken) -> None:
+        axes = dimensions(name)
+        if axes[0] != "realization":
+            if not np.array_equal(values, self._values.setdefault(name, values)):
+                raise ValueError(f"has another {name} than the states before")
+            return
+        rows = taken.rows
+        if name not in self._values:
+            shape = self._coverage.known.shape[: len(axes)] + values.shape[2:]
+            self._values[name] = np.zeros(shape, values.dtype)
+        target = self._values[name]
+        if axes == ("realization",):
+            new = taken.fresh.any(axis=1)
+            target[rows[new]] = values[: rows.size][new]
+            return
+        square = np.ix_(rows, taken.ours)
+        chosen = taken.fresh.reshape(*taken.fresh.shape, *(1,) * (values.ndim - 2))
+        target[square] = np.where(chosen, values[: rows.size][:, taken.theirs], target[square])
 
     def block(self) -> Block:
         """Return all states as one block; every one of them must be known."""
-        if not self.complete:
-            raise ValueError(f"{self.cell} lacks {np.count_nonzero(~self.known)} states")
+        known = self._coverage.known
+        if not known.all():
+            cell = self._coverage.cell
+            raise ValueError(f"{cell} lacks {np.count_nonzero(~known)} states")
         return self._values | self._field_block()
 
     def _field_block(self) -> Block:
         """Return the fields that are kept, in the order of realizations and pressures."""
-        places = sorted(self._kept)
-        if not places:
+        if not self._places:
             return {}
-        states = [(r, self._columns[p]) for r, p in places]
-        columns = {
-            "field_realization": np.array([r for r, _ in places], dtype=np.int64),
-            "field_nominal_pressure": np.array([p for _, p in places]),
-            "field_status": np.array([self._values["status"][state] for state in states]),
-            "field_pressure": np.stack([self._fields[place][0] for place in places]),
-            "field_gap": np.stack([self._fields[place][1] for place in places]),
+        cell = self._coverage.cell
+        status: IntArray = self._values["status"]
+        columns = self._fields | {
+            "field_realization": np.array([r for r, _ in self._places], dtype=np.int64),
+            "field_nominal_pressure": np.array([p for _, p in self._places]),
+            "field_status": np.array(
+                [status[r, cell.pressures.index(p)] for r, p in self._places]
+            ),
         }
         return {name: columns[name] for name in FIELD_VARIABLES}
 
 
-def _fields_of(block: Block) -> dict[tuple[int, float], tuple[Array, Array]]:
-    """Return pressure and gap of the fields in a block, by realization and pressure."""
+def places_of(block: Mapping[str, Array]) -> tuple[Place, ...]:
+    """Return realization and pressure of the fields in a block."""
     if "field_realization" not in block:
-        return {}
-    return {
-        (int(r), float(p)): (pressure, gap)
-        for r, p, pressure, gap in zip(
-            *(block[name] for name in ("field_realization", "field_nominal_pressure")),
-            *(block[name] for name in ("field_pressure", "field_gap")),
-            strict=True,
-        )
-    }
+        return ()
+    columns = block["field_realization"], block["field_nominal_pressure"]
+    return tuple(zip(*(column.tolist() for column in columns), strict=True))

@@ -8,7 +8,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from roughbench.errors import RoughbenchError, SolverError
-from roughbench.models.base import Curve, Snapshot, Status, TakeFields
+from roughbench.models.base import Curve, Sample, Snapshot, Status, TakeFields
 from roughbench.results import Array
 from roughbench.runner.checkpoint import Checkpoint
 from roughbench.runner.observing import Observer
@@ -53,6 +53,7 @@ def compute(
     rows: list[Block] = []
     observers: list[Observer] = []
     pressures = task.pressure_array()
+    digest = cell.heights.digest if cell.heights is not None else ""
     done = 0
 
     def one_more(snapshot: Snapshot | None = None, fields: TakeFields | None = None, /) -> None:
@@ -66,35 +67,51 @@ def compute(
         if solved is not None:
             solved(done)
 
+    def resumed(sample: Sample) -> Curve | None:
+        """Go on from the checkpoint; None if there is none, or it is none for this model."""
+        nonlocal done
+        finished = checkpoint.load() if checkpoint is not None else None
+        if finished is None:
+            return None
+        try:
+            done, arrays = finished
+            if not 0 < done < task.n_states:
+                raise ValueError(f"{done} states of {task.n_states}")
+            arrays = observers[-1].restore(arrays)
+            return cell.model.resume(
+                sample, pressures, arrays, threads=task.threads, solved=one_more
+            )
+        except RoughbenchError:
+            raise
+        except Exception:  # (whatever arrays of another kind lead to)
+            if done > finished[0]:  # they have led to a state
+                raise
+            done = 0
+            observers[-1] = Observer(task, task.realizations[0], sample)
+            if solved is not None:
+                solved(0)
+            return None
+
     if checkpoint is not None and len(task.realizations) > 1:
         raise ValueError("a checkpoint belongs to one realization")
     # More threads of BLAS would change the last bits with the number of cores.
     with threadpool_limits(1, "blas"):
         for realization in task.realizations:
             try:
-                sample = make_sample(
-                    cell.surface, cell.model, cell.seed, realization, task.heights
-                )
-                observer = Observer(task, realization, sample)
-                observers.append(observer)
-                finished = checkpoint.load() if checkpoint is not None else None
-                if finished is None:
+                sample = make_sample(cell.surface, cell.model, cell.seed, realization, digest)
+                observers.append(Observer(task, realization, sample))
+                curve = resumed(sample)
+                if curve is None:
                     # Cheap states are worth no word each, unless someone looks at them.
-                    watch = cell.model.iterative or not observer.is_idle
+                    watch = cell.model.iterative or not observers[-1].is_idle
                     curve = cell.model.curve(
                         sample,
                         pressures,
                         threads=task.threads,
                         solved=one_more if watch else None,
                     )
-                else:
-                    done, arrays = finished
-                    arrays = observer.restore(arrays)
-                    curve = cell.model.resume(
-                        sample, pressures, arrays, threads=task.threads, solved=one_more
-                    )
                 row = _row(curve, pressures.shape)
-                row |= observer.finish(row["status"])
+                row |= observers[-1].finish(row["status"])
             except RoughbenchError as error:
                 raise SolverError(f"{task.only(realization)}: {error}") from error
             height, slope = rms_of(sample)

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import os
 import shlex
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 from roughbench.errors import IncompleteError, RoughbenchError, StoreError
-from roughbench.outputs import Kind, check_output, write_output
-from roughbench.publish import make_folder
-from roughbench.results import ModelResult, Results
+from roughbench.outputs import Kind, check_output
+from roughbench.publish import make_folder, put, refusals_named
+from roughbench.results import MadeWhenAsked, ModelResult, Results
 from roughbench.runner.assemble import assemble
 from roughbench.runner.bar import reported
 from roughbench.runner.checkpoint import Checkpoint
@@ -29,12 +31,13 @@ from roughbench.runner.only import label_of, select
 from roughbench.runner.overview import Part, overview
 from roughbench.runner.plan import Cell, Task, check, plan
 from roughbench.runner.progress import COMPILING, Progress, Report
-from roughbench.runner.provenance import provenance, spent
+from roughbench.runner.provenance import inputs_of, provenance, spent
 from roughbench.runner.resources import Sharing, check_memory, sharing
 from roughbench.runner.speed import Speeds
 from roughbench.runner.survey import Stock, survey
+from roughbench.seal import sha256_of
 from roughbench.spec import FileSurface, Source, Spec, load_spec
-from roughbench.store import RESULTS, RESULTS_OR_STUMP, image, whose
+from roughbench.store import RESULTS, RESULTS_OR_STUMP, load, whose, written_results
 
 
 def run(
@@ -124,6 +127,67 @@ def run(
     >>> [round(a, 5) for a in results["main"]["persson"]["area_mean"].tolist()]
     [0.01596, 0.15852]
     """
+    return _run(
+        spec,
+        output=output,
+        jobs=jobs,
+        threads=threads,
+        overrides=overrides,
+        progress=progress,
+        force=force,
+        keep_going=keep_going,
+        only=only,
+        max_memory=max_memory,
+        log_file=log_file,
+        cluster=cluster,
+        command=command,
+    )
+
+
+def run_to_file(spec: Source, output: str | os.PathLike[str], **options: Any) -> Path:
+    """Compute what a spec asks for and leave it in the results file, as :func:`run`.
+
+    Needs the memory of one model's results at a time; :func:`run` returns all of them.
+
+    Parameters
+    ----------
+    spec, output
+        As for :func:`run`.
+    **options
+        Its other arguments.
+
+    Returns
+    -------
+    Path
+        ``output``.
+
+    Raises
+    ------
+    RoughbenchError
+        As :func:`run`.
+    """
+    _run(spec, output=output, returned=False, **options)
+    return Path(output)
+
+
+def _run(
+    spec: Source,
+    *,
+    output: str | os.PathLike[str] | None,
+    jobs: int | None = 1,
+    threads: int | None = None,
+    overrides: Sequence[str] = (),
+    progress: Report | bool | None = None,
+    force: bool = False,
+    keep_going: bool = False,
+    only: Sequence[str] = (),
+    max_memory: int | str | None = None,
+    log_file: str | os.PathLike[str] | None = None,
+    cluster: Cluster | None = None,
+    command: str = "",
+    returned: bool = True,
+) -> Results:
+    """Run; unless the results are ``returned``, no more of them than they have in common."""
     refuse_in_a_new_worker()
     resolved = load_spec(spec, overrides)
     limits = _limits(jobs, threads, max_memory, cluster)
@@ -152,11 +216,12 @@ def run(
             desk.open(stocks, tasks, report, keep_going=keep_going)
             _compute(tasks, limits, cluster, desk, folder)
             desk.finish()
-            _sum_up(stocks)
-            results = _results(resolved, stocks)
             if folder is not None:
-                _publish(results, folder, resolved, stocks, command)
-    return results
+                _publish(folder, resolved, stocks, command)
+                if not returned:
+                    return Results({}, resolved.text, resolved.sha256, resolved.name)
+                return load(folder.results)  # before another run may replace it
+            return _results(resolved, stocks)
 
 
 def preview(
@@ -267,6 +332,7 @@ def _take_stock(
                 folder.set_aside(error.path)
             if force:
                 folder.forget(stock.key)
+            folder.drop_checkpoints(stock.key, stock.shards)
     return stocks
 
 
@@ -302,41 +368,52 @@ def _compute(
     )
 
 
-def _sum_up(stocks: Sequence[Stock]) -> None:
+def _results(spec: Spec, stocks: Sequence[Stock], *, kept: bool = True) -> Results:
+    """Return the results; those of each model are made when asked for, unless ``kept``."""
+    experiments: dict[str, dict[str, Callable[[], ModelResult]]] = {}
     for stock in stocks:
-        total = spent(stock.usages)
-        log.debug(
-            "%s: %d tasks, %.1f s, peak memory %.2f GB, %d of %d states not converged",
-            stock.cell,
-            total["tasks"],
-            total["seconds"],
-            total["peak_memory"] / 1e9,
-            stock.collected.n_unconverged,
-            stock.cell.n_states,
-        )
+        models = experiments.setdefault(stock.cell.experiment, {})
+        models[stock.cell.model.name] = functools.partial(_result, stock)
+    made = {name: MadeWhenAsked(models) for name, models in experiments.items()}
+    return Results(
+        {name: dict(models) for name, models in made.items()} if kept else made,
+        spec.text,
+        spec.sha256,
+        spec.name,
+    )
 
 
-def _results(spec: Spec, stocks: Sequence[Stock]) -> Results:
-    experiments: dict[str, dict[str, ModelResult]] = {}
-    for stock in stocks:
-        result = assemble(stock.cell, stock.collected.block())
-        experiments.setdefault(stock.cell.experiment, {})[stock.cell.model.name] = result
-    return Results(experiments, spec.text, spec.sha256, spec.name)
+def _result(stock: Stock) -> ModelResult:
+    result = assemble(stock.cell, stock.collect())
+    stock.blocks.clear()  # they are in the result now
+    total = spent(stock.usages)
+    log.debug(
+        "%s: %d tasks, %.1f s, peak memory %.2f GB, %d of %d states not converged",
+        stock.cell,
+        total["tasks"],
+        total["seconds"],
+        total["peak_memory"] / 1e9,
+        stock.n_unconverged,
+        stock.cell.n_states,
+    )
+    return result
 
 
-def _publish(
-    results: Results, folder: RunFolder, spec: Spec, stocks: Sequence[Stock], command: str
-) -> None:
-    data, kind = image(results), _kind(folder)
-    before = None
-    with contextlib.suppress(OSError):
-        before = folder.results.read_bytes()
-    if data != before:
-        folder.write_provenance(provenance(data, spec, stocks, command))
-        write_output(data, folder.results, kind)
-        log.info("wrote %s", folder.results)
-    else:
+def _publish(folder: RunFolder, spec: Spec, stocks: Sequence[Stock], command: str) -> None:
+    """Write the results file, unless it is what these shards have made before."""
+    inputs = inputs_of(spec, stocks)
+    if folder.provenance().get("inputs_sha256") == inputs and folder.has_its_results():
         log.info("%s is up to date", folder.results)
+        return
+    results = _results(spec, stocks, kept=False)
+    target = check_output(folder.results, _kind(folder))
+    with refusals_named(folder.results), written_results(results, target) as temporary:
+        sha256 = sha256_of(temporary)
+        same = target.is_file() and sha256_of(target) == sha256
+        folder.write_provenance(provenance(sha256, inputs, spec, stocks, command))
+        if not same:
+            put(temporary, target)
+    log.info("%s is up to date" if same else "wrote %s", folder.results)
 
 
 def _request(spec: Spec, stocks: Sequence[Stock], command: str) -> dict[str, object]:
@@ -347,6 +424,7 @@ def _request(spec: Spec, stocks: Sequence[Stock], command: str) -> dict[str, obj
         "spec_sha256": spec.sha256,
         "command": command,
         "threads": {str(stock.cell): stock.threads for stock in stocks},
+        "keys": sorted({stock.key for stock in stocks}),
     }
 
 
@@ -401,16 +479,17 @@ class _Desk:
                 self._raise(task, outcome)
             return
         stock = self._stocks[_place(task.cell)]
-        if self._folder is not None:
+        if self._folder is None:
+            stock.add_block(task, outcome.block, outcome.usage.as_dict())
+        else:
             try:
-                self._folder.write(task, outcome.block, stock.identity, outcome.usage)
+                shard = self._folder.write(task, outcome.block, stock.identity, outcome.usage)
             except StoreError as error:
                 raise IncompleteError(f"{error}; {task} is lost") from error
             checkpoint = self.checkpoint(task)
             if checkpoint is not None:
                 checkpoint.remove()
-        stock.collected.add(task.realizations[0], task.pressure_array(), outcome.block)
-        stock.usages.append(outcome.usage.as_dict())
+            stock.add(shard)
         log_task(task, outcome.block, outcome.usage)
         self._count(task, task.n_states)
 
@@ -431,7 +510,7 @@ class _Desk:
             for task, outcome in self._failed.items():
                 lines += [str(outcome.error), *self._rerun(task)]
             raise RoughbenchError("\n".join(lines))
-        if not all(stock.collected.complete for stock in self._stocks.values()):
+        if not all(stock.coverage.complete for stock in self._stocks.values()):
             raise IncompleteError("the results file is not written yet: not all is computed")
 
     def _raise(self, task: Task, outcome: Outcome) -> None:
@@ -451,7 +530,7 @@ class _Desk:
 
     def kept(self) -> str:
         """Say what an end at this moment leaves, and how to go on."""
-        known = sum(int(stock.collected.known.sum()) for stock in self._stocks.values())
+        known = sum(stock.n_known for stock in self._stocks.values())
         total = sum(stock.cell.n_states for stock in self._stocks.values())
         if self._folder is None or total == 0:
             return ""
@@ -506,8 +585,8 @@ def _counter(
         for stock in stocks
     }
     all_work = sum(works[_place(stock.cell)] * stock.cell.n_states for stock in stocks)
-    done = sum(int(stock.collected.known.sum()) for stock in stocks)
-    work = sum(works[_place(s.cell)] * float(s.collected.known.sum()) for s in stocks)
+    done = sum(stock.n_known for stock in stocks)
+    work = sum(works[_place(s.cell)] * s.n_known for s in stocks)
     done_of: dict[Task, int] = {}
     if progress is not None:
         share = 1.0 if done == total else work / all_work

@@ -10,24 +10,20 @@
     ``checkpoints/``     finished states of long curves
     ``set-aside/``       shards that were damaged
 
-The shards are the truth; all else may be deleted. A shard is an ``.npz`` file named after
-its realizations and the SHA-256 of its bytes, published in one step.
+The shards are the truth (:mod:`roughbench.runner.shards`); all else may be deleted. Every file
+is published in one step and carries its checksum.
 """
 
 from __future__ import annotations
 
 import contextlib
 import hashlib
-import io
 import json
 import os
 import platform
-import re
 import shutil
 import time
-import zipfile
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import IO, Any
 
@@ -35,61 +31,20 @@ import numpy as np
 
 from roughbench.errors import LockedError, StoreError, explained
 from roughbench.locks import open_lock, try_lock
-from roughbench.models.base import FloatArray
-from roughbench.publish import commit, remove_leftovers, temporary_of
+from roughbench.publish import commit, refusals_named, remove_leftovers, temporary_of
 from roughbench.runner.checkpoint import Checkpoint
 from roughbench.runner.compute import Block
 from roughbench.runner.identity import Identity, key_of
 from roughbench.runner.journal import log
 from roughbench.runner.mark import mark
 from roughbench.runner.plan import Task
+from roughbench.runner.shards import Shard, read_identity, read_shard, write_shard
 from roughbench.runner.usage import Usage, now
-from roughbench.variables import STORABLE, fits
+from roughbench.seal import sha256_of
 
 SUFFIX = ".rbrun"
-FORMAT = "roughbench shard 1"
-
-_NAME = re.compile(r"(\d+)-(\d+)\.([0-9a-f]{16})\.npz", re.ASCII)
-_META = "roughbench"
 _TRIES, _PAUSE, _GLANCE = 6, 0.1, 0.01
-
-
-class ShardError(StoreError):
-    """A shard that cannot be used; the message names it, and ``path`` is where it is."""
-
-    def __init__(self, path: Path, reason: object) -> None:
-        super().__init__(f"{path}: {reason}")
-        self.path = path
-
-
-@dataclass(frozen=True, slots=True)
-class Shard:
-    """One finished task, as it is on disk.
-
-    Attributes
-    ----------
-    path : Path
-    first : int
-        Realization of the first row.
-    pressures : ndarray of float64, shape (pressures,)
-        p/E*.
-    block : dict of str to ndarray
-        As :func:`roughbench.runner.compute.compute` returns it.
-    identity : mapping
-        What the numbers depend on.
-    cell : str
-        What it was computed for, such as ``main/bem``.
-    usage : mapping
-        What it took.
-    """
-
-    path: Path
-    first: int
-    pressures: FloatArray
-    block: Block
-    identity: Identity
-    cell: str
-    usage: dict[str, Any]
+_CHECKSUM = "sha256"
 
 
 def folder_of(results: str | os.PathLike[str]) -> Path:
@@ -102,12 +57,6 @@ def folder_of(results: str | os.PathLike[str]) -> Path:
     """
     path = Path(results)
     return path.with_name(path.name + SUFFIX)
-
-
-def realizations_of(shard: Path) -> range:
-    """Return the realizations that a shard is named after; none if it is not named so."""
-    name = _NAME.fullmatch(shard.name)
-    return range(int(name[1]), int(name[2]) + 1) if name else range(0)
 
 
 class RunFolder:
@@ -146,7 +95,7 @@ class RunFolder:
             for folder in (self._shards, self._checkpoints):
                 folder.mkdir(exist_ok=True)
             with contextlib.suppress(FileNotFoundError):  # too long a path is told now
-                temporary_of(self._shards / ("0" * 20) / _shard_name(0, 0, "0" * 16)).stat()
+                temporary_of(self._shards / ("0" * 20) / f"000000-000000.{'0' * 16}.npz").stat()
         except OSError as error:
             raise StoreError(
                 f"cannot write {self.path}: {explained(error, 'choose another place with -o')}"
@@ -239,7 +188,7 @@ class RunFolder:
             if not entry.name.startswith(".")
         ]
 
-    def write(self, task: Task, block: Block, identity: Identity, usage: Usage) -> Path:
+    def write(self, task: Task, block: Block, identity: Identity, usage: Usage) -> Shard:
         """Commit a finished task: when this returns, nothing short of a broken disk takes it.
 
         Raises
@@ -247,40 +196,25 @@ class RunFolder:
         StoreError
             If the system refuses.
         """
-        first, stop = task.realizations.start, task.realizations.stop
-        meta = {
-            "format": FORMAT,
-            "identity": identity,
-            "cell": str(task.cell),
-            "usage": usage.as_dict(),
-        }
-        image = io.BytesIO()
-        text = np.frombuffer(json.dumps(meta).encode(), np.uint8)
-        arrays = {_META: text, "pressure": task.pressure_array(), **block}
-        np.savez(image, **arrays)  # type: ignore[arg-type]
-        data = image.getvalue()
         folder = self._shards / key_of(identity)
-        try:
+        with refusals_named(folder):
             folder.mkdir(exist_ok=True)
-        except OSError as error:
-            raise StoreError(f"cannot write {folder}: {explained(error)}") from error
-        return commit(data, folder / _shard_name(first, stop - 1, _digest(data)))
+            return write_shard(folder, task, block, identity, usage)
 
     def read(self, path: Path) -> Shard:
-        """Return a shard.
+        """Return what is in a shard.
 
         Raises
         ------
         ShardError
             If it is damaged, or no shard of this folder: never a wrong number.
         """
-        try:
-            return _read(path)
-        except OSError as error:
-            reason = f"cannot be read: {explained(error)}"
-            raise ShardError(path, reason) from error
-        except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
-            raise ShardError(path, error) from error
+        return read_shard(path)
+
+    def identity(self, key: str) -> Identity | None:
+        """Return the identity that a key stands for, for words only; None if unclear."""
+        found = (read_identity(path) for path in self.shards(key))
+        return next((identity for identity in found if identity is not None), None)
 
     def set_aside(self, path: Path) -> None:
         """Move a damaged shard out of the way; its tasks will be computed again."""
@@ -312,11 +246,24 @@ class RunFolder:
     def checkpoint(self, task: Task, key: str) -> Checkpoint:
         """Return the checkpoint of a task of one realization."""
         first = task.realizations[0]
-        content = hashlib.sha256(task.pressure_array().tobytes())
-        for pressure in task.kept(first):
-            content.update(np.float64(pressure).tobytes())
-        name = f"{key}-{first}-{content.hexdigest()[:12]}.npz"
+        name = _checkpoint_name(key, first, task.pressures, task.kept(first))
         return Checkpoint(self._checkpoints.absolute() / name)
+
+    def drop_checkpoints(self, key: str, shards: Sequence[Shard]) -> None:
+        """Remove what a kill has left of tasks that are committed."""
+        committed = {
+            _checkpoint_name(
+                key,
+                shard.realizations[0],
+                shard.pressures.tolist(),
+                [pressure for _, pressure in shard.kept],
+            )
+            for shard in shards
+            if len(shard.realizations) == 1
+        }
+        for path in _entries(self._checkpoints):
+            if path.name in committed:
+                Checkpoint(path).remove()
 
     def unfinished(self) -> set[str]:
         """Return the keys of all identities that the folder has checkpoints of."""
@@ -324,71 +271,68 @@ class RunFolder:
 
     def write_request(self, request: dict[str, Any]) -> None:
         """Note what the run was asked for, for ``status``."""
-        commit(json.dumps(request, indent=1).encode(), self.path / "run.json")
+        _write_json(request, self.path / "run.json")
 
     def write_provenance(self, provenance: dict[str, Any]) -> None:
         """Note where the results file comes from."""
-        commit(json.dumps(provenance, indent=1).encode(), self.path / "provenance.json")
+        _write_json(provenance, self.path / "provenance.json")
 
     def request(self) -> dict[str, Any]:
         """Return what the last run was asked for; empty if nobody knows."""
         return _json(self.path / "run.json")
+
+    def has_its_results(self) -> bool:
+        """Whether the results file is there, and the one that the last run has written."""
+        known = self.provenance().get("results_sha256")
+        try:
+            return known is not None and sha256_of(self.results) == known
+        except OSError:
+            return False
 
     def provenance(self) -> dict[str, Any]:
         """Return where the results file comes from; empty if nobody knows."""
         return _json(self.path / "provenance.json")
 
 
+def _checkpoint_name(
+    key: str, realization: int, pressures: Sequence[float], kept: Sequence[float]
+) -> str:
+    content = hashlib.sha256(np.array([*pressures, *kept], np.float64).tobytes())
+    return f"{key}-{realization}-{content.hexdigest()[:12]}.npz"
+
+
+def _write_json(content: dict[str, Any], path: Path) -> None:
+    sealed = content | {_CHECKSUM: _checksum(content)}
+    commit(json.dumps(sealed, indent=1).encode(), path)
+
+
 def _json(path: Path) -> dict[str, Any]:
-    with contextlib.suppress(OSError, ValueError):
+    """Return the content of a file; empty if it is missing or not as it was written."""
+    with contextlib.suppress(OSError, ValueError, RecursionError):
         found = json.loads(path.read_bytes())
-        return found if isinstance(found, dict) else {}
+        if isinstance(found, dict) and found.pop(_CHECKSUM, "") == _checksum(found):
+            return found
     return {}
 
 
+def _checksum(content: dict[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
 def _entries(folder: Path) -> list[Path]:
+    """Return what is in a folder; nothing if there is none.
+
+    Raises
+    ------
+    StoreError
+        If it is there and cannot be read: what is in it is not gone.
+    """
     try:
         return list(folder.iterdir())
-    except OSError:
+    except FileNotFoundError:
         return []
-
-
-def _shard_name(first: int, last: int, digest: str) -> str:
-    return f"{first:06d}-{last:06d}.{digest}.npz"
-
-
-def _digest(data: bytes) -> str:
-    return hashlib.sha256(data).hexdigest()[:16]
-
-
-def _read(path: Path) -> Shard:
-    name = _NAME.fullmatch(path.name)
-    if name is None:
-        raise ValueError("is no shard of roughbench")
-    data = path.read_bytes()
-    if _digest(data) != name[3]:
-        raise ValueError("is damaged: its content does not match the checksum in its name")
-    with np.load(io.BytesIO(data), allow_pickle=False) as file:
-        arrays = {key: file[key] for key in file.files}
-    meta = json.loads(arrays.pop(_META).tobytes())
-    if meta["format"] != FORMAT:
-        raise ValueError(f"has the format {meta['format']!r}, not {FORMAT!r}")
-    if key_of(meta["identity"]) != path.parent.name:
-        raise ValueError("belongs to another computation than the folder it is in")
-    pressures = arrays.pop("pressure")
-    lengths = {"realization": int(name[2]) - int(name[1]) + 1, "pressure": len(pressures)}
-    for key, values in arrays.items():
-        suits, wanted = fits(key, values.shape, lengths)
-        if not suits or values.dtype not in STORABLE:
-            raise ValueError(f"{key} has the shape {values.shape}, not {wanted}")
-    if "status" not in arrays:
-        raise ValueError("has no status")
-    return Shard(
-        path,
-        int(name[1]),
-        pressures,
-        arrays,
-        meta["identity"],
-        str(meta["cell"]),
-        dict(meta["usage"]),
-    )
+    except OSError as error:
+        raise StoreError(
+            f"cannot read the folder {folder}: "
+            f"{explained(error, 'or remove it to compute its content again')}"
+        ) from error

@@ -14,22 +14,26 @@ import hashlib
 import inspect
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import roughbench.models
 import roughbench.observables
 from roughbench.models.base import Model
+from roughbench.runner import source
 from roughbench.runner.plan import Cell
-from roughbench.runner.samples import heights_digest
-from roughbench.spec import FileSurface
+from roughbench.spec import SelfAffineSurface
 
 Identity = Mapping[str, str | int | float]
 """Flat: key path in a spec, ``threads`` or ``code`` → value."""
 
 _PACKAGE = Path(roughbench.models.__file__).parents[1]
-_NUMERICS = re.compile(
-    r"\broughbench\.(models\.\w+|surface|spectrum|transform|heights_file)\b", re.ASCII
+_numerics = re.compile(
+    r"roughbench\.(models\.\w+|surface|spectrum|transform|heights_file)\b", re.ASCII
+).match
+_RESULTS = (
+    *("ensemble", "results", "store", "variables", "spectrum"),
+    *("runner/assemble", "runner/collected", "runner/samples"),
 )
 _SAMPLES = ("surface", "spectrum", "heights_file", "runner.samples")
 
@@ -46,28 +50,23 @@ def identity(cell: Cell, threads: int) -> Identity:
     Returns
     -------
     mapping of str to str, int or float
-        Heights from a file count by their content. ``code`` is a digest of the source
-        files that make the numbers, the model's own and those of the surfaces: after a
-        change of one of them nothing computed before is taken for its result. Observables
+        Heights from a file count by their content. ``code`` is a digest of what the source
+        files compute that make the numbers, the model's own and those of the surfaces: after
+        a change of one of them nothing computed before is taken for its result. Observables
         count where they are asked for, with their own code; fields that are kept do not:
         a state without the field that it should have counts as missing.
-
-    Raises
-    ------
-    SurfaceError
-        If heights cannot be read.
     """
     model, surface = cell.model, cell.surface
     options = model.model_dump(by_alias=True, exclude={"label", "realizations", "grid"})
     values = {f"model.{name}": value for name, value in options.items() if value is not None}
     given = surface.model_dump(by_alias=True, exclude_none=True, exclude={"path"})
-    if isinstance(surface, FileSurface):
-        given["heights"] = heights_digest(surface)
-    elif model.dimension:
+    if cell.heights is not None:
+        given["heights"] = cell.heights.digest
+    elif model.dimension and isinstance(surface, SelfAffineSurface):
         values["model.grid"] = model.grid_points(surface.spectrum(), surface.length)
         values["seed"] = cell.seed
     else:
-        given.pop("amplitude")
+        given.pop("amplitude", None)
     values |= {f"surface.{name}": value for name, value in given.items()}
     if model.iterative:
         values["threads"] = threads
@@ -113,33 +112,48 @@ def changes(before: Identity, after: Identity) -> list[str]:
 
 @functools.cache
 def code_digest(model: type[Model]) -> str:
-    """Return a digest of the source files that make a model's numbers, 12 digits."""
+    """Return a digest of what the source files compute that make a model's numbers.
+
+    12 digits; blind to docstrings, comments and layout, see :mod:`roughbench.runner.source`.
+    """
     waiting = [_unit(model.__module__.removeprefix("roughbench."), model)]
     waiting += [_unit(name, model) for name in _SAMPLES]
-    texts: dict[Path, bytes] = {}
+    digests: dict[Path, str] = {}
     while waiting:
         for path in waiting.pop():
-            if path in texts:
+            if path in digests:
                 continue
-            texts[path] = path.read_bytes()
+            text = path.read_text(encoding="utf-8")
+            digests[path] = source.digest(text)
             if path.name == "samples.py":  # imports every model
                 continue
-            found = set(_NUMERICS.findall(texts[path].decode()))
+            found = {match[1] for name in source.imported(text) if (match := _numerics(name))}
             waiting += [_unit(name, model) for name in sorted(found)]
-    digest = hashlib.sha256()
-    for path in sorted(texts):
-        digest.update(hashlib.sha256(texts[path]).digest())
-    return digest.hexdigest()[:12]
+    return _together([digests[path] for path in sorted(digests)])[:12]
 
 
 @functools.cache
 def observing_digest() -> str:
-    """Return a digest of the source files that make the observables, 8 digits."""
-    digest = hashlib.sha256()
-    for path in sorted(Path(roughbench.observables.__file__).parent.glob("*.py")):
-        digest.update(path.read_bytes())
-    digest.update((_PACKAGE / "runner" / "observing.py").read_bytes())
-    return digest.hexdigest()[:8]
+    """Return a digest of what the source files compute that make the observables, 8 digits."""
+    paths = sorted(Path(roughbench.observables.__file__).parent.glob("*.py"))
+    paths.append(_PACKAGE / "runner" / "observing.py")
+    return _together([source.digest(path.read_text(encoding="utf-8")) for path in paths])[:8]
+
+
+@functools.cache
+def assembly_digest() -> str:
+    """Return a digest of what the source files compute that make a results file of shards."""
+    names = ("ensemble.py", "results.py", "store.py", "variables.py", "spectrum.py")
+    paths = [_PACKAGE / name for name in names]
+    paths += [
+        _PACKAGE / "runner" / f"{name}.py" for name in ("assemble", "collected", "samples")
+    ]
+    texts = [path.read_text(encoding="utf-8") for path in paths]
+    return _together([*map(source.digest, texts), observing_digest()])
+
+
+def _together(digests: Sequence[str]) -> str:
+    return hashlib.sha256("".join(digests).encode()).hexdigest()
 
 
 def _unit(name: str, model: type[Model]) -> list[Path]:

@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import os
 import shutil
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from roughbench.errors import RoughbenchError, StoreError
 from roughbench.program import command, program
-from roughbench.runner.folder import SUFFIX, RunFolder, ShardError
+from roughbench.runner.folder import SUFFIX, RunFolder
 from roughbench.runner.mark import check_marked
 from roughbench.runner.only import select
 from roughbench.runner.overview import Part, overview
 from roughbench.runner.plan import check, plan
 from roughbench.runner.resources import Sharing, sharing
+from roughbench.runner.shards import ShardError
 from roughbench.runner.survey import Stock, survey
-from roughbench.spec import Spec, load_spec
-from roughbench.store import load, whose
+from roughbench.spec import Spec, load_spec, parse_spec
+from roughbench.store import opened, whose
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +40,8 @@ class State:
     states, done : int
         How many states there are in all, and how many of them are done.
     parts : list of Part
+    note : str
+        What is wrong with the results file, though all is done; else empty.
     """
 
     results: Path
@@ -47,6 +51,7 @@ class State:
     states: int
     done: int
     parts: list[Part]
+    note: str = ""
 
     def as_dict(self) -> dict[str, Any]:
         """Return all of it, for JSON."""
@@ -58,6 +63,7 @@ class State:
             "states": self.states,
             "done": self.done,
             "parts": [part.as_dict() for part in self.parts],
+            "note": self.note,
         }
 
 
@@ -114,16 +120,32 @@ def status(path: str | os.PathLike[str]) -> State:
     limits, stocks = _stocks(folder, request)
     holder = folder.holder()
     tasks = select(stocks, (), parts=limits.parts)
-    complete = not tasks and folder.results.exists()
+    note = _fault_of_results(folder) if not tasks else ""
+    complete = not tasks and not note
     return State(
         results=folder.results,
         state="running" if holder else "complete" if complete else "incomplete",
         holder=holder,
         command=str(request.get("command", "")),
         states=sum(stock.cell.n_states for stock in stocks),
-        done=sum(int(stock.collected.known.sum()) for stock in stocks),
+        done=sum(stock.n_known for stock in stocks),
         parts=overview(stocks, tasks, folder),
+        note=note,
     )
+
+
+def _fault_of_results(folder: RunFolder) -> str:
+    """Return why the results file is not that of the run, though all is computed."""
+    path = folder.results
+    if folder.has_its_results():
+        return ""
+    if not path.exists():
+        fault = "is not there"
+    elif not path.is_file() or path.stat().st_size == 0:
+        fault = "is empty, or no file"
+    else:
+        fault = "is not the file that the run has written"
+    return f"{path}: {fault}; the same command writes it again from the shards"
 
 
 def verify(path: str | os.PathLike[str]) -> tuple[int, list[str]]:
@@ -140,21 +162,53 @@ def verify(path: str | os.PathLike[str]) -> tuple[int, list[str]]:
         If there is no run there.
     """
     folder = find(path)
-    sound, faults = 0, []
-    for key in folder.computations():
-        for shard in folder.shards(key):
+    found = [*_shards_checked(folder), *_notes_checked(folder), *_results_checked(folder)]
+    faults = [fault for fault in found if fault]
+    return len(found) - len(faults), faults
+
+
+def _shards_checked(folder: RunFolder) -> Iterator[str]:
+    """Yield for each shard what is wrong with it; nothing if it is sound."""
+    try:
+        keys = folder.computations()
+    except StoreError as error:
+        yield str(error)
+        return
+    for key in keys:
+        try:
+            shards = folder.shards(key)
+        except StoreError as error:
+            yield str(error)
+            continue
+        for shard in shards:
             try:
                 folder.read(shard)
-                sound += 1
+                yield ""
             except ShardError as error:
-                faults.append(f"{error}; the next run computes it again")
-    if folder.results.exists():
-        try:
-            load(folder.results)
-            sound += 1
-        except StoreError as error:
-            faults.append(str(error))
-    return sound, faults
+                yield f"{error}; the next run computes it again"
+
+
+def _notes_checked(folder: RunFolder) -> Iterator[str]:
+    """Yield what is wrong with what the runs have noted; sound notes are not counted."""
+    for name, content in (
+        ("run.json", folder.request()),
+        ("provenance.json", folder.provenance()),
+    ):
+        path = folder.path / name
+        if path.exists() and not content:
+            yield f"{path}: is damaged; the next run writes it again"
+
+
+def _results_checked(folder: RunFolder) -> Iterator[str]:
+    """Yield what is wrong with the results file, if it is there; nothing if it is sound."""
+    if not folder.results.exists():
+        return
+    try:
+        with opened(folder.results):
+            known = bool(folder.provenance())
+        yield _fault_of_results(folder) if known else ""
+    except StoreError as error:
+        yield str(error)
 
 
 def clean(path: str | os.PathLike[str], *, unused: bool = False) -> int:
@@ -188,25 +242,49 @@ def clean(path: str | os.PathLike[str], *, unused: bool = False) -> int:
             if folder.path.is_symlink():
                 folder.path.unlink()
             return before
-        _, stocks = _stocks(folder, folder.request())
-        needed = {stock.key for stock in stocks}
-        for key in folder.computations():
-            if key not in needed:
-                folder.forget(key)
+        needed = _needed(folder)
+        for key in {*folder.computations(), *folder.unfinished()} - needed:
+            folder.forget(key)
         folder.forget_set_aside()
         return before - folder.size()
 
 
-def spent_on(results: str | os.PathLike[str]) -> dict[str, tuple[float, int]]:
-    """Return the seconds of all tasks, and the most bytes of one, of each model.
+@dataclass(frozen=True, slots=True)
+class Account:
+    """What a run has made of one model, and what that took.
 
-    Empty where no run directory tells.
+    Attributes
+    ----------
+    name : str
+        Such as ``main/bem``.
+    realizations, pressures : int
+    states, unconverged : int
+        How many states there are, and how many of them did not converge.
+    seconds : float
+        Of all tasks.
+    memory : int
+        Most bytes of one task.
+    """
+
+    name: str
+    realizations: int
+    pressures: int
+    states: int
+    unconverged: int
+    seconds: float
+    memory: int
+
+
+def accounts(results: str | os.PathLike[str]) -> list[Account]:
+    """Return what the run behind a results file has made, model by model.
+
+    Empty where no run directory tells. A file of many models takes long to look through.
     """
     models = RunFolder(results).provenance().get("models", {})
-    return {
-        name: (float(model["seconds"]), int(model["peak_memory"]))
-        for name, model in models.items()
-    }
+    numbers = ("realizations", "pressures", "states", "unconverged", "seconds", "peak_memory")
+    return [
+        Account(name, *(model[number] for number in numbers)) for name, model in models.items()
+    ]
 
 
 def _stocks(folder: RunFolder, request: dict[str, Any]) -> tuple[Sharing, list[Stock]]:
@@ -215,6 +293,18 @@ def _stocks(folder: RunFolder, request: dict[str, Any]) -> tuple[Sharing, list[S
     check(cells)
     limits = sharing(jobs=None)
     return limits, survey(cells, limits, folder, threads=_threads(request))
+
+
+def _needed(folder: RunFolder) -> set[str]:
+    """Return the keys of the shards that the last run needed.
+
+    As it noted them: what its spec would need now may be something else, after a change of
+    the code or of heights in a file.
+    """
+    keys = folder.request().get("keys")
+    if not isinstance(keys, list):
+        raise RoughbenchError(_unknown(folder))
+    return {str(key) for key in keys}
 
 
 def _threads(request: dict[str, Any]) -> dict[str, int]:
@@ -226,8 +316,12 @@ def _threads(request: dict[str, Any]) -> dict[str, int]:
 
 def _requested(folder: RunFolder, request: dict[str, Any]) -> Spec:
     if not isinstance(request.get("spec"), str):
-        raise RoughbenchError(
-            f"{folder.path}: run.json is missing or damaged, which says what the run was to "
-            "compute; the next run writes it again"
-        )
-    return load_spec(request["spec"] + "\n", folder=request.get("folder", "."))
+        raise RoughbenchError(_unknown(folder))
+    return parse_spec(request["spec"], folder=request.get("folder", "."))
+
+
+def _unknown(folder: RunFolder) -> str:
+    return (
+        f"{folder.path}: run.json is missing or damaged, which says what the run was to "
+        "compute; the next run writes it again"
+    )

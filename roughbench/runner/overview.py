@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from roughbench.runner.folder import RunFolder, realizations_of
+from roughbench.runner.folder import RunFolder
 from roughbench.runner.plan import Cell, Task
-from roughbench.runner.resources import memory_of
+from roughbench.runner.resources import assembly_memory, memory_of
+from roughbench.runner.shards import realizations_of
 from roughbench.runner.speed import Speeds
 from roughbench.runner.survey import Stock
 
@@ -35,7 +36,7 @@ class Part:
     seconds : float
         Estimated time of what is missing, on one core.
     memory : int
-        Estimated bytes that a task needs.
+        Estimated bytes that a task needs, or that the results need to be put together.
     """
 
     model: str
@@ -111,16 +112,16 @@ def _part(
         last=rows.stop,
         reason=reason,
         states=len(rows) * len(stock.cell.pressures),
-        done=int(np.count_nonzero(stock.collected.known[rows.start : rows.stop])),
+        done=int(np.count_nonzero(stock.coverage.known[rows.start : rows.stop])),
         tasks=len(own),
         seconds=speeds.slowness(stock.cell.model)
         * sum(1e-6 * task.work * task.n_states for task in own),
-        memory=max((memory_of(task) for task in own), default=0),
+        memory=max(*map(memory_of, own), assembly_memory(stock.cell)) if own else 0,
     )
 
 
 def _reasons(stock: Stock, tasks: Sequence[Task], folder: RunFolder | None) -> list[str]:
-    known = stock.collected.known
+    known = stock.coverage.known
     n_pressures = known.shape[1]
     nothing = not known.any()
     reasons = []

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from roughbench.errors import SurfaceError
 from roughbench.models.base import FloatArray, Model
 from roughbench.observables import OBSERVABLES, ObservableName
-from roughbench.runner.samples import Surface, check_sample, n_heights
+from roughbench.runner.samples import Heights, Surface, check_sample, read_heights
 from roughbench.spec import FileSurface, SelfAffineSurface, Spec
 
 SECONDS_PER_TASK = 1.0
@@ -60,6 +61,13 @@ class Cell:
     seed : int
     asked : Asked
         Of its fields; nothing for a model without.
+    heights : Heights or None
+        Those of a file, as the plan found them; None for a surface that is generated.
+
+    Raises
+    ------
+    ValueError
+        If heights come from a file and nobody has read it.
     """
 
     experiment: str
@@ -69,6 +77,11 @@ class Cell:
     n_realizations: int
     seed: int
     asked: Asked = NOTHING
+    heights: Heights | None = None
+
+    def __post_init__(self) -> None:
+        if isinstance(self.surface, FileSurface) != (self.heights is not None):
+            raise ValueError(f"{self}: heights belong to surfaces from a file, and to these")
 
     def __str__(self) -> str:
         return f"{self.experiment}/{self.model.name}"
@@ -110,7 +123,7 @@ class Cell:
             return 0
         if isinstance(self.surface, SelfAffineSurface):
             return _grid_points(self.surface, self.model) ** dimension
-        return n_heights(self.surface)
+        return math.prod(self.heights.shape) if self.heights is not None else 0
 
     def pressure_array(self) -> FloatArray:
         """Return the pressures p/E*, shape (pressures,)."""
@@ -130,15 +143,12 @@ class Task:
         p/E*, ascending; of the cell, or those of them that are missing.
     threads : int
         Threads that the model may use.
-    heights : str
-        Digest that heights from a file must have; empty for none.
     """
 
     cell: Cell
     realizations: range
     pressures: tuple[float, ...]
     threads: int = 1
-    heights: str = ""
 
     def __hash__(self) -> int:
         return hash((self.cell.experiment, self.realizations, self.pressures[0]))
@@ -186,7 +196,20 @@ class Task:
 
 
 def plan(spec: Spec) -> list[Cell]:
-    """Return the cells of a spec, in its order."""
+    """Return the cells of a spec, in its order.
+
+    A file with heights is read once: all that a run says of them, and computes with, is
+    held to what was found here.
+
+    Raises
+    ------
+    SurfaceError
+        With every file that cannot be read.
+    """
+    experiments = spec.experiments()
+    heights, faults = _read_files(experiments)
+    if faults:
+        raise SurfaceError("\n".join(faults))
     return [
         Cell(
             experiment=experiment,
@@ -196,10 +219,29 @@ def plan(spec: Spec) -> list[Cell]:
             n_realizations=_realizations(variant, model),
             seed=variant.seed,
             asked=_asked(variant) if model.has_fields else NOTHING,
+            heights=heights.get(variant.surface),
         )
-        for experiment, variant in spec.experiments()
+        for experiment, variant in experiments
         for model in variant.models
     ]
+
+
+def _read_files(
+    experiments: Sequence[tuple[str, Spec]],
+) -> tuple[dict[Surface, Heights], list[str]]:
+    heights: dict[Surface, Heights] = {}
+    faults: dict[str, str] = {}
+    for name, spec in experiments:
+        surface = spec.surface
+        if isinstance(surface, FileSurface) and surface not in heights:
+            theories = any(
+                model.dimension == 0 for _, other in experiments for model in other.models
+            )
+            try:
+                heights[surface] = read_heights(surface, spectrum=theories)
+            except SurfaceError as error:
+                faults.setdefault(str(error), name)
+    return heights, [f"{name}: {fault}" for fault, name in faults.items()]
 
 
 def check(cells: list[Cell]) -> None:
@@ -212,7 +254,7 @@ def check(cells: list[Cell]) -> None:
     faults: dict[str, str] = {}
     for cell in cells:
         try:
-            check_sample(cell.surface, cell.model)
+            check_sample(cell.surface, cell.model, cell.heights)
         except SurfaceError as error:
             faults.setdefault(str(error), str(cell))
     if faults:
@@ -225,14 +267,13 @@ def cut(
     pressures: tuple[float, ...],
     *,
     threads: int = 1,
-    heights: str = "",
     parts: int = 1,
 ) -> list[Task]:
     """Cut realizations of a cell into tasks of about a second, or one of a realization.
 
     Parameters
     ----------
-    cell, realizations, pressures, threads, heights
+    cell, realizations, pressures, threads
         As in :class:`Task`.
     parts : int
         Make at least so many tasks, where they stay longer than a tenth of a second.
@@ -246,7 +287,7 @@ def cut(
     wanted = min(SECONDS_PER_TASK / seconds, len(realizations) / parts)
     size = max(1, math.ceil(max(wanted, 0.1 * SECONDS_PER_TASK / seconds)))
     return [
-        Task(cell, realizations[start : start + size], pressures, threads, heights)
+        Task(cell, realizations[start : start + size], pressures, threads)
         for start in range(0, len(realizations), size)
     ]
 

@@ -8,20 +8,23 @@ import subprocess
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from roughbench.runner.identity import assembly_digest
 from roughbench.runner.survey import Stock
 from roughbench.runner.usage import machine, now
 from roughbench.spec import Spec
 
 
 def provenance(
-    results: bytes, spec: Spec, stocks: Sequence[Stock], command: str
+    results_sha256: str, inputs_sha256: str, spec: Spec, stocks: Sequence[Stock], command: str
 ) -> dict[str, Any]:
     """Return where a results file comes from: hashes, seeds, machines, versions, times.
 
     Parameters
     ----------
-    results : bytes
-        The results file.
+    results_sha256 : str
+        Of the results file.
+    inputs_sha256 : str
+        See :func:`inputs_of`.
     spec : Spec
     stocks : sequence of Stock
     command : str
@@ -32,7 +35,8 @@ def provenance(
         For JSON.
     """
     return {
-        "results_sha256": hashlib.sha256(results).hexdigest(),
+        "results_sha256": results_sha256,
+        "inputs_sha256": inputs_sha256,
         "spec_sha256": spec.sha256,
         "command": command,
         "written": now(),
@@ -42,14 +46,29 @@ def provenance(
     }
 
 
+def inputs_of(spec: Spec, stocks: Sequence[Stock]) -> str:
+    """Return a digest of all that the bytes of a results file are made of.
+
+    The spec and its name, the shards, which are named after their content, and the code
+    that puts them together.
+    """
+    content = [spec.text, spec.name, spec.sha256, assembly_digest()]
+    for stock in stocks:
+        content += [str(stock.cell), stock.key]
+        content += sorted(shard.path.name for shard in stock.shards)
+    return hashlib.sha256("\0".join(content).encode()).hexdigest()
+
+
 def _of_model(stock: Stock) -> dict[str, Any]:
     return {
         "identity": dict(stock.identity),
         "key": stock.key,
         "seed": stock.cell.seed,
         "threads": stock.threads,
+        "realizations": stock.cell.n_realizations,
+        "pressures": len(stock.cell.pressures),
         "states": stock.cell.n_states,
-        "unconverged": stock.collected.n_unconverged,
+        "unconverged": stock.n_unconverged,
     } | spent(stock.usages)
 
 

@@ -23,6 +23,10 @@ _PROCESS = 300 * 2**20
 _PER_POINT_OBSERVED = 60
 """Bytes per point to take observables from a state; measured: 43, beside its fields."""
 _PER_POINT_OF_FIELD = 16
+_PER_STATE = 300
+"""Bytes of the numbers of a state; the exact solver has 14 of them, and their averages."""
+_PER_STATE_OBSERVED = 3000
+"""Bytes of one observable of a state; it has up to 200 bins."""
 _FRACTION = 0.8
 _SECONDS_WORTH_PROCESSES = 4.0
 
@@ -155,13 +159,25 @@ def memory_of(task: Task) -> int:
         memory += BYTES_PER_POINT * n_points
     if task.cell.asked.observables:
         memory += _PER_POINT_OBSERVED * n_points
-    # Once as they come, once more in the block of the task and in its shard.
+    # Once as they come, once more in the block of the task and on the way to its shard.
     n_fields = sum(len(task.kept(realization)) for realization in task.realizations)
     return memory + 3 * n_fields * _PER_POINT_OF_FIELD * n_points
 
 
+def assembly_memory(cell: Cell) -> int:
+    """Estimate the bytes that a process needs to put the results of a cell together.
+
+    The values of the cell's states are there once, beside one variable of a shard as it is
+    read, or one field as it is written; those of other cells are on the disk.
+    """
+    fields = len(cell.asked.kept) * _PER_POINT_OF_FIELD * cell.n_points
+    of_a_shard = len(cell.asked.pressures) * _PER_POINT_OF_FIELD * cell.n_points // 2
+    per_state = _PER_STATE + _PER_STATE_OBSERVED * len(cell.asked.observables)
+    return _PROCESS + fields + of_a_shard + 2 * cell.n_states * per_state
+
+
 def check_memory(tasks: Sequence[Task], limits: Sharing) -> None:
-    """Refuse tasks that would never get the memory they need.
+    """Refuse tasks that would never get the memory they need, or their results.
 
     Raises
     ------
@@ -176,6 +192,14 @@ def check_memory(tasks: Sequence[Task], limits: Sharing) -> None:
             f"may take {gigabytes(limits.memory)}{limit}; "
             f"{', or '.join(_remedies(largest, limits))}"
         )
+    for cell in dict.fromkeys(task.cell for task in tasks):
+        if assembly_memory(cell) > limits.memory:
+            raise RoughbenchError(
+                f"{cell}: to put its results together takes about "
+                f"{assembly_memory(cell) / 1e9:.1f} GB, and the run may take "
+                f"{limits.memory / 1e9:.1f} GB; allow more with --max-memory, or keep fewer "
+                "fields (save_fields)"
+            )
 
 
 def _remedies(task: Task, limits: Sharing) -> Iterator[str]:

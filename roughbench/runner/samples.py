@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import functools
 import hashlib
-
-import numpy as np
+from dataclasses import dataclass
 
 from roughbench.errors import SurfaceError
 from roughbench.heights_file import load_heights
@@ -24,6 +22,51 @@ from roughbench.surface import (
 Surface = SelfAffineSurface | FileSurface
 
 
+@dataclass(frozen=True, slots=True)
+class Heights:
+    """What a plan knows of the heights in a file, all of it from one read.
+
+    Attributes
+    ----------
+    digest : str
+        Of their values, not of their file; what a task computes with must have the same.
+    shape : tuple of int
+    rms_height, rms_slope : float
+    fault : str
+        Why they have no spectrum, where one was asked for; else empty.
+    """
+
+    digest: str
+    shape: tuple[int, ...]
+    rms_height: float
+    rms_slope: float
+    fault: str = ""
+
+
+def read_heights(surface: FileSurface, *, spectrum: bool = True) -> Heights:
+    """Read the heights of a file once, and return what a plan has to know of them.
+
+    Parameters
+    ----------
+    surface : FileSurface
+    spectrum : bool
+        Whether a model needs their spectrum.
+
+    Raises
+    ------
+    SurfaceError
+        If they cannot be read.
+    """
+    heights, digest = _load(surface)
+    fault = ""
+    if spectrum:
+        try:
+            measured_spectrum(heights, surface.length)
+        except SurfaceError as error:
+            fault = f"{surface.path}: {error}"
+    return Heights(digest, heights.shape, *rms_height_and_slope(heights, surface.length), fault)
+
+
 def make_sample(
     surface: Surface, model: Model, seed: int, realization: int, digest: str = ""
 ) -> Sample:
@@ -38,7 +81,7 @@ def make_sample(
     seed, realization : int
         Choose the random stream; the same one for every model.
     digest : str
-        What :func:`heights_digest` must say of the heights of a file; "" accepts any.
+        What :attr:`Heights.digest` must be of heights from a file; "" accepts any.
 
     Returns
     -------
@@ -51,11 +94,15 @@ def make_sample(
         another dimension than the model needs or are not those of ``digest``.
     """
     if isinstance(surface, FileSurface):
-        if digest and digest != heights_digest(surface):
+        heights, found = _load(surface)
+        if digest not in ("", found):
             raise SurfaceError(
                 f"{surface.path}: changed since the run began; run it again for the new heights"
             )
-        return _from_file(surface, model)
+        _check_dimension(surface, model, heights.shape)
+        if model.dimension == 0:
+            return Sample(None, surface.length, measured_spectrum(heights, surface.length))
+        return Sample(heights, surface.length)
     spectrum, length = surface.spectrum(), surface.length
     if model.dimension == 0:
         return Sample(None, length, spectrum)
@@ -75,40 +122,27 @@ def make_sample(
     return Sample(heights, length, spectrum)
 
 
-def check_sample(surface: Surface, model: Model) -> None:
+def check_sample(surface: Surface, model: Model, heights: Heights | None = None) -> None:
     """Refuse a surface that the model cannot use, before anything is computed.
+
+    Parameters
+    ----------
+    surface, model
+    heights : Heights, optional
+        Of a file.
 
     Raises
     ------
     SurfaceError
-        As :func:`make_sample`, at the cost of reading heights from a file.
+        As :func:`make_sample`.
     """
     if isinstance(surface, FileSurface):
-        _from_file(surface, model)
+        heights = heights or read_heights(surface)
+        _check_dimension(surface, model, heights.shape)
+        if model.dimension == 0 and heights.fault:
+            raise SurfaceError(heights.fault)
     elif model.dimension > 0:
         model.grid_points(surface.spectrum(), surface.length)
-
-
-def heights_digest(surface: FileSurface) -> str:
-    """Return a digest of the heights in a file: of their values, not of their file."""
-    heights = load_heights(surface.path, surface.folder)
-    content = hashlib.sha256(repr(heights.shape).encode())
-    content.update(np.ascontiguousarray(heights).data)
-    return content.hexdigest()[:20]
-
-
-def n_heights(surface: FileSurface) -> int:
-    """Return the number of heights in a file."""
-    stat = surface.file.stat() if surface.file.exists() else None
-    return _n_heights(
-        surface.path, str(surface.folder), stat and (stat.st_mtime_ns, stat.st_size)
-    )
-
-
-@functools.lru_cache(maxsize=64)
-def _n_heights(path: str, folder: str, stat: object) -> int:
-    del stat  # a changed file is read again
-    return int(load_heights(path, folder).size)
 
 
 def rms_of(sample: Sample) -> tuple[float, float]:
@@ -120,7 +154,9 @@ def rms_of(sample: Sample) -> tuple[float, float]:
     return sample.spectrum.rms_height, sample.spectrum.rms_slope
 
 
-def describe(surface: Surface, model: Model) -> dict[str, Attribute]:
+def describe(
+    surface: Surface, model: Model, heights: Heights | None = None
+) -> dict[str, Attribute]:
     """Return the attributes of a group of results: the surface's and the model's parameters.
 
     ``rms_height`` and ``rms_slope`` are those of the spectrum (continuum), for heights
@@ -130,11 +166,10 @@ def describe(surface: Surface, model: Model) -> dict[str, Attribute]:
     options = model.model_dump(exclude={"kind", "label", "realizations"}, exclude_none=True)
     attributes: dict[str, Attribute] = {"surface": surface.kind, "length": surface.length}
     if isinstance(surface, FileSurface):
-        heights = _heights(surface)
+        heights = heights or read_heights(surface)
         attributes["heights"] = surface.path
-        attributes["rms_height"], attributes["rms_slope"] = rms_height_and_slope(
-            heights, surface.length
-        )
+        attributes["rms_height"] = heights.rms_height
+        attributes["rms_slope"] = heights.rms_slope
         n_points = heights.shape[0]
         options.pop("undersampled", None)
     else:
@@ -161,24 +196,28 @@ def _plain(value: object) -> Attribute:
     return value if isinstance(value, str | int | float) else str(value)
 
 
-def _heights(surface: FileSurface) -> FloatArray:
+def _load(surface: FileSurface) -> tuple[FloatArray, str]:
+    """Read heights; returns them without their mean, and the digest of what was read.
+
+    Whoever computes with them compares this digest: a second read may find another file.
+    """
     heights = load_heights(surface.path, surface.folder)
-    return heights - heights.mean()
+    content = hashlib.sha256(repr(heights.shape).encode())
+    content.update(heights.data)
+    heights -= heights.mean()
+    return heights, content.hexdigest()[:20]
 
 
-def _from_file(surface: FileSurface, model: Model) -> Sample:
-    heights = _heights(surface)
-    if model.dimension == 0:
-        return Sample(None, surface.length, measured_spectrum(heights, surface.length))
-    if heights.ndim != model.dimension:
-        remedy = (
-            "give a two-dimensional array"
-            if model.dimension == 2
-            else "give one line of it, as heights[0]"
-        )
-        raise SurfaceError(
-            f"{surface.path}: its shape is {heights.shape}, but {model.name} needs "
-            f"{model.dimension} dimension{'s' * (model.dimension > 1)}; {remedy}, "
-            f"or remove {model.name} from the models"
-        )
-    return Sample(heights, surface.length)
+def _check_dimension(surface: FileSurface, model: Model, shape: tuple[int, ...]) -> None:
+    if model.dimension in (0, len(shape)):
+        return
+    remedy = (
+        "give a two-dimensional array"
+        if model.dimension == 2
+        else "give one line of it, as heights[0]"
+    )
+    raise SurfaceError(
+        f"{surface.path}: its shape is {shape}, but {model.name} needs "
+        f"{model.dimension} dimension{'s' * (model.dimension > 1)}; {remedy}, "
+        f"or remove {model.name} from the models"
+    )

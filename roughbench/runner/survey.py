@@ -6,13 +6,16 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from roughbench.runner.collected import Collected
-from roughbench.runner.folder import RunFolder, ShardError
-from roughbench.runner.identity import Identity, changes, identity, key_of
+import numpy as np
+
+from roughbench.runner.collected import Collected, Coverage, places_of
+from roughbench.runner.compute import Block
+from roughbench.runner.folder import RunFolder
+from roughbench.runner.former import Former
+from roughbench.runner.identity import Identity, identity, key_of
 from roughbench.runner.plan import Cell, Task, cut
 from roughbench.runner.resources import Sharing
-
-_MOST_CHANGES = 4
+from roughbench.runner.shards import Shard, ShardError
 
 
 @dataclass(slots=True)
@@ -26,24 +29,77 @@ class Stock:
         Of each of its tasks.
     identity, key
         What its numbers depend on, and what stands for that.
-    collected : Collected
+    coverage : Coverage
         The states that there are.
     reason : str
         Why states are missing.
+    shards : list of Shard
+        Where their values are.
+    blocks : list of (Task, dict of str to ndarray)
+        The values themselves, in a run without a run directory.
     damaged : list of ShardError
         Shards of it that cannot be used.
     usages : list of dict
         What each of its tasks took.
+    n_unconverged : int
+        Number of states that did not converge, once they are collected.
     """
 
     cell: Cell
     threads: int
     identity: Identity
     key: str
-    collected: Collected
+    coverage: Coverage
     reason: str = "new"
+    shards: list[Shard] = field(default_factory=list)
+    blocks: list[tuple[Task, Block]] = field(default_factory=list)
     damaged: list[ShardError] = field(default_factory=list)
     usages: list[dict[str, Any]] = field(default_factory=list)
+    n_unconverged: int = 0
+
+    @property
+    def n_known(self) -> int:
+        """Number of states that there are."""
+        return int(np.count_nonzero(self.coverage.known))
+
+    def add(self, shard: Shard) -> None:
+        """Take a shard for a result.
+
+        Raises
+        ------
+        ShardError
+            If it does not fit the others.
+        """
+        try:
+            self.coverage.take(shard.realizations, shard.pressures, shard.names, shard.kept)
+        except ValueError as error:
+            raise ShardError(shard.path, error) from error
+        self.shards.append(shard)
+        self.usages.append(shard.usage)
+
+    def add_block(self, task: Task, block: Block, usage: Mapping[str, Any]) -> None:
+        """Take what a task has computed for a result, without a shard."""
+        self.coverage.take(task.realizations, task.pressure_array(), block, places_of(block))
+        self.blocks.append((task, block))
+        self.usages.append(dict(usage))
+
+    def collect(self) -> Block:
+        """Return the values of all states, from the shards or the blocks.
+
+        Raises
+        ------
+        ShardError
+            If a shard is not what it was any more.
+        """
+        collected = Collected(self.cell)
+        for shard in sorted(self.shards, key=lambda shard: shard.path.name):
+            with shard.opened() as variables:
+                collected.add(shard.realizations, shard.pressures, variables, shard.kept)
+        for task, block in self.blocks:
+            collected.add(task.realizations, task.pressure_array(), block, places_of(block))
+        found = collected.block()
+        self.n_unconverged = int(np.count_nonzero(found["status"]))
+        return found
 
     def tasks(self, parts: int, only: Collection[int] | None = None) -> list[Task]:
         """Return what is missing as tasks.
@@ -55,16 +111,14 @@ class Stock:
         only : collection of int, optional
             Realizations to take; default: all.
         """
-        heights = str(self.identity.get("surface.heights", ""))
         return [
             task
-            for realizations, pressures in self.collected.missing(only)
+            for realizations, pressures in self.coverage.missing(only)
             for task in cut(
                 self.cell,
                 realizations,
                 pressures,
                 threads=self.threads,
-                heights=heights,
                 parts=parts,
             )
         ]
@@ -97,21 +151,20 @@ def survey(
     -------
     list of Stock
     """
-    keys = folder.computations() if folder is not None else []
+    keys = set(folder.computations()) if folder is not None else set()
     kept = (keys, folder.unfinished()) if folder is not None else ()
     given = threads or {}
     stocks = [_stock(cell, sharing, kept, given.get(str(cell))) for cell in cells]
     if folder is None:
         return stocks
-    in_use = {stock.key for stock in stocks}
-    others = [key for key in keys if key not in in_use]
+    others = Former(folder, keys.difference(stock.key for stock in stocks))
     for stock in stocks:
         if force and stock.key in keys:
             stock.reason = "forced"
         elif stock.key in keys:
             _collect(stock, folder)
-        elif others:
-            stock.reason = _what_changed(stock, others, folder)
+        else:
+            stock.reason = others.what_changed(stock.identity)
     return stocks
 
 
@@ -123,43 +176,12 @@ def _stock(
     found = [(n, identity(cell, n)) for n in choices]
     there = (pair for keys in kept for pair in found if key_of(pair[1]) in keys)
     threads, its_identity = next(there, found[0])
-    return Stock(cell, threads, its_identity, key_of(its_identity), Collected(cell))
+    return Stock(cell, threads, its_identity, key_of(its_identity), Coverage(cell))
 
 
 def _collect(stock: Stock, folder: RunFolder) -> None:
     for path in folder.shards(stock.key):
         try:
-            shard = folder.read(path)
-            stock.collected.add(shard.first, shard.pressures, shard.block)
+            stock.add(folder.read(path))
         except ShardError as error:
             stock.damaged.append(error)
-        except ValueError as error:
-            stock.damaged.append(ShardError(path, error))
-        else:
-            stock.usages.append(shard.usage)
-
-
-def _what_changed(stock: Stock, others: Sequence[str], folder: RunFolder) -> str:
-    """Compare with the nearest identity that nobody uses any more."""
-    nearest: list[str] | None = None
-    for key in others:
-        before = _identity_of(folder, key)
-        if before is None or before.get("model.kind") != stock.identity["model.kind"]:
-            continue
-        differences = changes(before, stock.identity)
-        if nearest is None or len(differences) < len(nearest):
-            nearest = differences
-    if not nearest:
-        return "new"
-    more = len(nearest) - _MOST_CHANGES
-    shown = nearest[:_MOST_CHANGES] + ([f"and {more} more"] if more > 0 else [])
-    return "changed: " + ", ".join(shown)
-
-
-def _identity_of(folder: RunFolder, key: str) -> Identity | None:
-    for path in folder.shards(key):
-        try:
-            return folder.read(path).identity
-        except ShardError:
-            continue
-    return None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from roughbench.spec.loading import Source, load_spec
+from roughbench.spec.loading import Source, load_spec, parse_spec
 from roughbench.spec.model import Spec
 from roughbench.spec.pressures import PressureRange
 from roughbench.spec.schema import json_schema
@@ -16,4 +16,5 @@ __all__ = [
     "Spec",
     "json_schema",
     "load_spec",
+    "parse_spec",
 ]

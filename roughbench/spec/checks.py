@@ -59,7 +59,18 @@ def check_fit(
     if isinstance(surface, SelfAffineSurface):
         yield from _grids(surface, models)
     elif isinstance(surface, FileSurface):
-        yield from _file(tree, surface, models)
+        yield from _given_heights(tree, models)
+
+
+def check_file(surface: SelfAffineSurface | FileSurface | None) -> Iterator[Finding]:
+    """Yield a finding if the file of heights is not there, which no spec can know."""
+    if isinstance(surface, FileSurface):
+        name = on_one_line(str(surface.file))
+        try:
+            if not surface.file.is_file():
+                yield Finding(("surface", "path"), f"no such file: {name}")
+        except OSError as error:
+            yield Finding(("surface", "path"), f"cannot read {name}: {explained(error)}")
 
 
 def _names(tree: Any, models: Numbered) -> Iterator[Finding]:
@@ -149,13 +160,7 @@ def _grid_option(number: int, model: Model) -> KeyPath:
     return ("models", number, *written[:1])
 
 
-def _file(tree: Any, surface: FileSurface, models: Numbered) -> Iterator[Finding]:
-    name = on_one_line(str(surface.file))
-    try:
-        if not surface.file.is_file():
-            yield Finding(("surface", "path"), f"no such file: {name}")
-    except OSError as error:
-        yield Finding(("surface", "path"), f"cannot read {name}: {explained(error)}")
+def _given_heights(tree: Any, models: Numbered) -> Iterator[Finding]:
     if (lookup(tree, ("realizations",)) or 1) != 1:
         yield Finding(("realizations",), "heights from a file are one realization; remove this")
     kept = lookup(tree, ("save_fields", "realizations"))

@@ -1,4 +1,8 @@
-"""``load_spec``: from a file, a text or a dict to a frozen spec, or to all its faults."""
+"""From a file, a text or a dict to a frozen spec, or to all its faults.
+
+``load_spec`` is for what shall be computed, and looks whether the files are there that the
+spec names. ``parse_spec`` is for the text that results carry, which may be read anywhere.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +18,7 @@ from roughbench.errors import Fault, SpecError, explained
 from roughbench.models.base import Model
 from roughbench.program import command
 from roughbench.spec import sweep
-from roughbench.spec.checks import check_fit
+from roughbench.spec.checks import check_file, check_fit
 from roughbench.spec.fields import SavedFields
 from roughbench.spec.messages import translate, without_echoes
 from roughbench.spec.model import AnyModel, Spec
@@ -103,6 +107,24 @@ def load_spec(
     return _build(given, overrides)
 
 
+def parse_spec(text: str, *, folder: str | os.PathLike[str] = "") -> Spec:
+    """Return the spec that a text is, whether the files that it names are there or not.
+
+    Parameters
+    ----------
+    text : str
+        YAML, such as the ``spec`` of a results file.
+    folder : path
+        Where relative paths of height files start; default: the current folder.
+
+    Raises
+    ------
+    SpecError
+        With every fault of the text.
+    """
+    return _build(_Given(read_yaml(text), folder=Path(folder), text=text), (), files=False)
+
+
 def _from_mapping(source: Mapping[str, Any]) -> _Given:
     tree, findings = plain(source)
     given = _Given(Document(tree))
@@ -143,7 +165,7 @@ def _neighbours(path: Path) -> list[str]:
         return []
 
 
-def _build(given: _Given, overrides: Sequence[str]) -> Spec:
+def _build(given: _Given, overrides: Sequence[str], *, files: bool = True) -> Spec:
     document = given.document
     faults = [
         Fault(f.message, render(f.path), f.place.line, f.place.column, given.source)
@@ -162,8 +184,8 @@ def _build(given: _Given, overrides: Sequence[str]) -> Spec:
     tree, given.overrides, override_faults = apply_overrides(tree, overrides)
     tree = {"name": default_name(given.name), **tree}
     text = None if overrides else given.text
-    spec, findings = _validate(tree, {"folder": given.folder, "text": text})
-    findings += _validate_sweep(tree, findings, given.folder)
+    spec, findings = _validate(tree, {"folder": given.folder, "text": text}, files=files)
+    findings += _validate_sweep(tree, findings, given.folder, files=files)
     faults += [_fault(f, given) for f in findings if not _refused(f.path, document.refused)]
     faults.sort(key=lambda fault: (fault.source != given.source, fault.line, fault.column))
     faults += override_faults
@@ -172,7 +194,9 @@ def _build(given: _Given, overrides: Sequence[str]) -> Spec:
     return spec
 
 
-def _validate(tree: Any, context: Mapping[str, Any]) -> tuple[Spec | None, list[Finding]]:
+def _validate(
+    tree: Any, context: Mapping[str, Any], *, files: bool
+) -> tuple[Spec | None, list[Finding]]:
     """Validate one tree; parts that are valid are checked against each other anyway."""
     spec: Spec | None = None
     findings: list[Finding] = []
@@ -198,17 +222,21 @@ def _validate(tree: Any, context: Mapping[str, Any]) -> tuple[Spec | None, list[
         () if pressures is None else values_of(pressures),
         _part(_SAVED_FIELDS, frozen.get("save_fields"), context),
     )
+    if files:
+        findings += check_file(surface)
     return spec, without_echoes(findings, tree)
 
 
-def _validate_sweep(tree: Any, known: Sequence[Finding], folder: Path) -> list[Finding]:
+def _validate_sweep(
+    tree: Any, known: Sequence[Finding], folder: Path, *, files: bool
+) -> list[Finding]:
     """Return what is wrong with the sweep, or with a combination of its values."""
     findings = sweep.check(tree)
     if findings or not tree.get("sweep"):
         return findings
     seen = set(known)
     for variant in sweep.variants(tree):
-        for finding in _validate(variant.tree, {"folder": folder})[1]:
+        for finding in _validate(variant.tree, {"folder": folder}, files=files)[1]:
             if finding not in seen:
                 seen.add(finding)
                 findings.append(sweep.blame(finding, variant))

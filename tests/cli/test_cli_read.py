@@ -103,7 +103,7 @@ def test_show_json_is_strict_and_complete(results: Path, invoke: Invoke) -> None
 
 
 def test_json_of_infinities_and_gaps() -> None:
-    content = json.loads(to_json(with_gaps()), parse_constant=refuse_constant)
+    content = json.loads("".join(to_json(with_gaps())), parse_constant=refuse_constant)
     found = content["experiments"]["main"]["bem"]
     assert found["variables"]["stiffness_mean"] == [1.0 / 3.0, "inf", None]
     assert found["attributes"]["x"] == "-inf"

@@ -12,7 +12,6 @@ import sys
 import termios
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -23,8 +22,9 @@ from click.testing import Result
 import roughbench as rb
 from roughbench import runner
 from roughbench.cli import progress as cli_progress
-from roughbench.results import Results
 from roughbench.runner import Progress
+from roughbench.runner.collected import Collected
+from roughbench.runner.compute import Block
 
 Invoke = Callable[..., Result]
 Popen = subprocess.Popen[str]
@@ -229,17 +229,15 @@ def test_a_bar_on_a_terminal(folder: Path) -> None:
 def test_unconverged_states_are_reported(
     folder: Path, invoke: Invoke, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    original = runner.run
+    real = Collected.block
 
-    def spoiled(*arguments: object, **options: object) -> Results:
-        results = original(*arguments, **options)  # type: ignore[arg-type]
-        foundation = results["main"]["foundation"]
-        status = np.zeros((20, 3), np.int32)
-        status[3:5, 2] = 1
-        changed = replace(foundation, variables={**foundation.variables, "status": status})
-        return replace(results, experiments={"main": {"foundation": changed}})
+    def spoiled(collected: Collected) -> Block:
+        block = real(collected)
+        if block["status"].shape == (20, 3):
+            block["status"][3:5, 2] = 1
+        return block
 
-    monkeypatch.setattr(runner, "run", spoiled)
+    monkeypatch.setattr(Collected, "block", spoiled)
     done = invoke("run", "small.yaml", "-q")
     assert done.exit_code == 0
     assert done.stderr == (
@@ -303,7 +301,7 @@ def test_a_failure_exits_1_with_one_clean_message(
     def fail(*_: object, **__: object) -> None:
         raise error
 
-    monkeypatch.setattr(runner, "run", fail)
+    monkeypatch.setattr(runner, "run_to_file", fail)
     done = invoke("run", "small.yaml")
     assert done.exit_code == 1
     assert done.stderr.startswith(message)
@@ -319,7 +317,7 @@ def test_click_has_its_own_way_out(invoke: Invoke, monkeypatch: pytest.MonkeyPat
     def fail(*_: object, **__: object) -> None:
         raise click.FileError("x", "hint")
 
-    monkeypatch.setattr(runner, "run", fail)
+    monkeypatch.setattr(runner, "run_to_file", fail)
     assert invoke("run", "small.yaml").exit_code == 1
 
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import roughbench as rb
+from roughbench.figures.rebuild import spec_fault
 from roughbench.report.markup import number
 from roughbench.report.sources import Source
 from roughbench.report.warnings import ABOUT, Remark, Severity, at_pressures, remarks
@@ -169,6 +172,24 @@ def test_a_spec_that_cannot_be_read(sound: Results) -> None:
     assert [remark.text for remark in warned(results)] == [
         "the spec in the file cannot be read, so nothing tells what is missing."
     ]
+
+
+def test_results_of_heights_are_read_where_the_heights_are_not(tmp_path: Path) -> None:
+    np.save(tmp_path / "heights.npy", np.sin(np.arange(64.0)))
+    (tmp_path / "spec.yaml").write_text(
+        "surface: {kind: file, path: heights.npy, length: 3.0}\n"
+        "pressures: [0.1, 0.5]\n"
+        "models: [{kind: foundation}, {kind: persson}]\n"
+    )
+    rb.run(tmp_path / "spec.yaml", output=tmp_path / "r.h5")
+    (tmp_path / "heights.npy").unlink()
+    results = rb.load(tmp_path / "r.h5")
+    assert "cannot be read" not in str([remark.text for remark in warned(results)])
+    assert spec_fault(results) is None
+    with pytest.raises(rb.SpecError, match="no such file"):
+        rb.load_spec(results.spec_text, folder=tmp_path)
+    with pytest.raises(rb.SpecError, match=r"spec\.yaml:1:29: error: surface\.path: no such"):
+        rb.run(tmp_path / "spec.yaml")
 
 
 def test_warnings_are_on_the_page_or_none_is(sound: Results, change: Change) -> None:

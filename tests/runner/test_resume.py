@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import time
 from pathlib import Path
 from typing import Any
@@ -15,8 +14,10 @@ from roughbench import runner
 from roughbench.errors import IncompleteError
 from roughbench.runner import checkpoint as checkpoints
 from roughbench.runner import driver, inspection
+from roughbench.runner.folder import RunFolder
 from roughbench.runner.journal import log_task
 from roughbench.runner.plan import Cell
+from roughbench.runner.shards import Shard
 from roughbench.spec import load_spec
 from tests.runner.fakes import Fake, Misdeed, Steps
 
@@ -349,8 +350,8 @@ def test_a_killed_curve_is_seen_whatever_its_threads(
 @pytest.mark.parametrize("threads", [None, 3, {"main/bem": "two"}])
 def test_status_does_without_the_threads_of_the_request(output: Path, threads: Any) -> None:
     rb.run(SMOOTH, output=output, jobs=None)
-    path = output.with_name("r.h5.rbrun") / "run.json"
-    path.write_text(json.dumps(json.loads(path.read_text()) | {"threads": threads}))
+    folder = RunFolder(output)
+    folder.write_request(folder.request() | {"threads": threads})
     assert runner.status(output).state == "complete"
 
 
@@ -386,7 +387,7 @@ def test_a_disk_that_refuses_leaves_a_run_to_resume(
 
     real, calls = RunFolder.write, []
 
-    def full(*arguments: Any) -> Path:
+    def full(*arguments: Any) -> Shard:
         calls.append(1)
         if len(calls) == 2:
             raise rb.StoreError("cannot write shard: No space left on device")
