@@ -27,7 +27,7 @@ import numpy as np
 
 from roughbench.errors import StoreError, explained
 from roughbench.models.base import Status
-from roughbench.outputs import Kind, check_output
+from roughbench.outputs import ENDS, Kind, check_output
 from roughbench.program import command, program
 from roughbench.publish import put, refusals_named, written
 from roughbench.results import Array, Attribute, ModelResult, Results
@@ -45,6 +45,8 @@ which older versions read."""
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 _ATTRIBUTES = (b"format_version", b"spec_sha256")
+_END_ADDRESS = slice(28, 36)
+"""Where an HDF5 file says how long it is."""
 _BEFORE_ATTRIBUTES = 512
 """Bytes at the beginning that hold nothing of anybody."""
 _REQUIRED = ("pressure", "status")
@@ -224,7 +226,11 @@ def _is_results(head: bytes, tail: bytes) -> bool:
 
 
 def _is_stump(head: bytes) -> bool:
-    return head.startswith(_HDF5) and len(head) < _BEFORE_ATTRIBUTES
+    """Whether a file is the first bytes of an HDF5 file, too few to tell whose."""
+    if not head.startswith(_HDF5) or len(head) == ENDS:
+        return False
+    claimed = int.from_bytes(head[_END_ADDRESS], "little")
+    return len(head) < _BEFORE_ATTRIBUTES or len(head) < claimed
 
 
 RESULTS = Kind("results file", _is_results)

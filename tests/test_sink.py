@@ -17,6 +17,7 @@ import pytest
 from roughbench import store
 from roughbench.errors import StoreError
 from roughbench.results import MadeWhenAsked, ModelResult, Results
+from roughbench.seal import seal
 from roughbench.sink import Sink
 from roughbench.store import load, opened, write_results
 from tests.test_store import assert_equal, model_result, results

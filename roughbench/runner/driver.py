@@ -412,6 +412,7 @@ def _publish(folder: RunFolder, spec: Spec, stocks: Sequence[Stock], command: st
         same = target.is_file() and sha256_of(target) == sha256
         folder.write_provenance(provenance(sha256, inputs, spec, stocks, command))
         if not same:
+            check_output(target, _kind(folder))  # again: it took a while
             put(temporary, target)
     log.info("%s is up to date" if same else "wrote %s", folder.results)
 

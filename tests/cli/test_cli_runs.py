@@ -173,8 +173,8 @@ def test_no_file_of_a_run_rewrites_the_terminal(results: Path, invoke: Invoke) -
     results = Path(results.name)
     run = results.with_name("small.h5.rbrun")
     evil = "\x1b[2J\u202e\nerror: you lost"
-    request = json.loads((run / "run.json").read_text())
-    (run / "run.json").write_text(json.dumps(request | {"command": evil}))
+    request = RunFolder(results).request()
+    RunFolder(results).write_request(request | {"command": evil})
     shard = shard_of(results)
     shard.rename(shard.with_name(f"{evil.replace('/', '')}.npz"))
     told = []

@@ -133,7 +133,7 @@ def test_whatever_else_the_system_refuses(
     def fail(*_: object, **__: object) -> None:
         raise OSError(number, os.strerror(number), place)
 
-    monkeypatch.setattr(runner, "run", fail)
+    monkeypatch.setattr(runner, "run_to_file", fail)
     done = invoke("run", "small.yaml")
     told = f"error: {shown}{os.strerror(number)}"
     assert (done.exit_code, done.stderr.startswith(told)) == (1, True)
@@ -147,7 +147,7 @@ def test_an_error_of_our_own_without_a_number_stays_one(
     def fail(*_: object, **__: object) -> None:
         raise OSError("unexpected")
 
-    monkeypatch.setattr(runner, "run", fail)
+    monkeypatch.setattr(runner, "run_to_file", fail)
     assert "fault of roughbench" in invoke("run", folder / "small.yaml").stderr
 
 

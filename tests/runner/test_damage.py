@@ -314,7 +314,7 @@ def test_a_folder_of_shards_that_cannot_be_read_is_told(finished: RunFolder) -> 
     sound, faults = runner.verify(finished.results)
     assert sound == 2
     assert len(faults) == 1
-    assert faults[0].startswith(f"cannot read the folder {keys[0]}: Not a directory; give")
+    assert faults[0].startswith(f"cannot read the folder {keys[0]}: Not a directory; ")
     with pytest.raises(rb.StoreError, match="cannot read the folder"):
         runner.status(finished.results)
     shutil.rmtree(finished.path / "shards")
