@@ -144,7 +144,8 @@ def test_heights_from_a_file_have_curves_only(tmp_path: Path) -> None:
         figures.render(results, "spectrum", tmp_path)
     (tmp_path / "line.npy").unlink()
     assert figures.available(results) == CURVES
-    with pytest.raises(rb.StoreError, match=r"'foundation' needs .*no such file"):
+    needed = "'foundation' needs a foundation on a surface given by its spectrum"
+    with pytest.raises(rb.StoreError, match=needed):
         figures.render(results, "foundation", tmp_path)
 
 
