@@ -89,7 +89,7 @@ test-all: setup-dev ## all tests
 	$(BIN)/python -m pytest -n $(JOBS)
 
 test-minimum: $(MINIMUM)/ready ## tests with the oldest versions of the dependencies (Python 3.11)
-	$(MINIMUM)/bin/python -m pytest -n $(JOBS) -m "not slow" tests/cli tests/figures \
+	$(MINIMUM)/bin/python -m pytest -n $(JOBS) -m "not slow" -o filterwarnings=default tests/cli tests/figures \
 		tests/observables tests/report tests/runner tests/spec tests/test_*.py
 
 $(MINIMUM)/ready: pyproject.toml scripts/minimum_versions.py | setup
