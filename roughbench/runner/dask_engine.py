@@ -15,6 +15,7 @@ import logging
 import math
 import os
 import queue
+import socket
 import threading
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
@@ -217,7 +218,7 @@ def _client(
         try:
             client = Client(where, set_as_default=False, timeout=SECONDS_FOR_SCHEDULER)
         except (OSError, ValueError, TimeoutError) as error:
-            raise _no_answer(cluster, error) from error
+            raise _no_answer(cluster, where, error) from error
         try:
             yield client, refusals
         finally:
@@ -258,7 +259,7 @@ def _knock(address: str, cluster: Cluster) -> None:
     try:
         sync(runner.loop, ask, callback_timeout=SECONDS_FOR_SCHEDULER + _SECONDS_TO_SAY_WHY)
     except (OSError, ValueError, TypeError, RuntimeError, TimeoutError) as error:
-        raise _no_answer(cluster, error) from error
+        raise _no_answer(cluster, address, error) from error
     finally:
         runner.stop()
 
@@ -267,13 +268,23 @@ def _has_certificate(security: Security) -> bool:
     return bool(security.tls_ca_file and security.tls_client_cert)
 
 
-def _no_answer(cluster: Cluster, error: Exception) -> RoughbenchError:
-    cause = error.__cause__ if isinstance(error.__cause__, OSError) else None
-    reason = ": ".join(str(e) or type(e).__name__ for e in (error, cause) if e is not None)
+def _no_answer(cluster: Cluster, address: Any, error: Exception) -> RoughbenchError:
+    # Whether Dask's own error names the cause depends on when its last attempt ended.
+    causes = (error, _refusal(address) if isinstance(address, str) else None)
+    reason = ": ".join(str(e) or type(e).__name__ for e in causes if e is not None)
     return RoughbenchError(
         f"the Dask scheduler {cluster.name} does not answer ({reason}); start one with: dask "
         "scheduler"
     )
+
+
+def _refusal(address: str) -> OSError | None:
+    where = urlsplit(address if "://" in address else f"tcp://{address}")
+    try:
+        socket.create_connection((where.hostname, where.port), _SECONDS_TO_SAY_WHY).close()
+    except OSError as error:
+        return error
+    return None  # something listens
 
 
 def _check_workers(
