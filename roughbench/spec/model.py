@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import json
 from collections.abc import Mapping
@@ -104,7 +105,7 @@ class Spec(BaseModel):
         """The YAML text: as it was given, or written anew where no text says it all."""
         return dump(self.as_given()) if self._text is None else self._text
 
-    @property
+    @functools.cached_property  # of a sweep, it takes long
     def sha256(self) -> str:
         """Hash of what is to be computed; blind to the name, formatting, written defaults.
 
