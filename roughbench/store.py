@@ -32,6 +32,7 @@ from roughbench.program import command, program
 from roughbench.publish import put, refusals_named, written
 from roughbench.results import Array, Attribute, ModelResult, Results
 from roughbench.seal import check_seal, has_mark, seal_file
+from roughbench.signals import signals_held_back
 from roughbench.sink import Sink
 from roughbench.text import on_one_line, printable, unsafe_character
 from roughbench.variables import STORABLE, dimensions, fits
@@ -256,17 +257,22 @@ def _write(results: Results, target: IO[bytes]) -> None:
     sink = Sink(target)
     try:
         with _fresh_file(sink) as file:
-            file.attrs["format"] = FORMAT
-            file.attrs["format_version"] = 1
-            file.attrs["name"] = results.name
-            file.attrs["spec"] = results.spec_text
-            file.attrs["spec_sha256"] = results.spec_sha256
+            with signals_held_back():
+                file.attrs["format"] = FORMAT
+                file.attrs["format_version"] = 1
+                file.attrs["name"] = results.name
+                file.attrs["spec"] = results.spec_text
+                file.attrs["spec_sha256"] = results.spec_sha256
             for experiment, models in results.experiments.items():
-                parent = _create_group(file, experiment)
+                with signals_held_back():
+                    parent = _create_group(file, experiment)
                 for label in models:  # one at a time: not .items(), which holds the last
-                    version = _write_model(_create_group(parent, label), models[label], sink)
-                    if version > file.attrs["format_version"]:
-                        file.attrs.modify("format_version", version)
+                    result = models[label]
+                    with signals_held_back():
+                        version = _write_model(_create_group(parent, label), result, sink)
+                        if version > file.attrs["format_version"]:
+                            file.attrs.modify("format_version", version)
+                    del result
     finally:
         sink.check()  # rather than what HDF5 makes of it
     seal_file(target)
@@ -319,9 +325,18 @@ def _fresh_file(sink: Sink) -> Iterator[h5py.File]:
     access.set_fclose_degree(h5py.h5f.CLOSE_STRONG)
     # HDF5 wants a name that no other open file of the process has.
     name = f"roughbench-{os.getpid()}-{next(_counter)}"
-    handle = h5py.h5f.create(name.encode(), h5py.h5f.ACC_TRUNC, fcpl=created, fapl=access)
-    with h5py.File(handle) as file:
+    file = None
+    try:
+        with signals_held_back():  # one in a callback of HDF5 would leave the file open
+            handle = h5py.h5f.create(
+                name.encode(), h5py.h5f.ACC_TRUNC, fcpl=created, fapl=access
+            )
+            file = h5py.File(handle)
         yield file
+    finally:
+        if file is not None:
+            with signals_held_back():
+                file.close()
 
 
 def _create_group(parent: h5py.Group, name: str) -> h5py.Group:

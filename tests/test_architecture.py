@@ -21,6 +21,7 @@ LAYERS = (
     "publish",
     "outputs",
     "seal",
+    "signals",
     "sink",
     "spectrum",
     "surface",

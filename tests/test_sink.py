@@ -95,6 +95,46 @@ def test_a_limit_on_files_leaves_the_old_one(tmp_path: Path, size: int) -> None:
     assert [entry.name for entry in tmp_path.iterdir()] == ["r.h5"]
 
 
+DISTURBED = """
+import random, signal
+from roughbench import store
+from tests.test_store import results
+
+class Stop(Exception):
+    pass
+
+def stop(*_):
+    raise Stop
+
+signal.signal(signal.SIGALRM, stop)
+whole, stopped = store.image(results()), 0
+chosen = random.Random(1)
+for _ in range(300):
+    try:
+        signal.setitimer(signal.ITIMER_REAL, chosen.uniform(1e-4, 0.06))
+        assert store.image(results()) == whole
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+    except Stop:
+        stopped += 1
+assert store.image(results()) == whole
+print(stopped)
+"""
+
+
+def test_a_signal_waits_until_hdf5_has_written() -> None:
+    """What a handler raises in the middle would go through HDF5, and leave its file open."""
+    root = Path(store.__file__).parents[1]
+    done = subprocess.run(
+        [sys.executable, "-c", DISTURBED],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | {"PYTHONPATH": str(root)},
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert int(done.stdout) > 50
+
+
 def test_a_refusal_counts_once_and_for_all() -> None:
     class Refusing(io.BytesIO):
         def write(self, _: object) -> int:

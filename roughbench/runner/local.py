@@ -26,6 +26,7 @@ from roughbench.runner.checkpoint import Checkpoint
 from roughbench.runner.engine import CheckpointOf, Listener, Outcome, carry_out
 from roughbench.runner.plan import Task
 from roughbench.runner.resources import Sharing, memory_of
+from roughbench.signals import SIGNALS, signals_held_back
 
 ATTEMPTS = 3
 """How often a task is given to a worker before its death is taken for the task's fault."""
@@ -37,8 +38,6 @@ _NEEDS_GUARD = (
     "worker processes import the script that calls run, and it calls run again there; put the "
     "call under the guard if __name__ == '__main__', or say jobs=1"
 )
-
-_SIGNALS = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
 
 
 def refuse_in_a_new_worker() -> None:
@@ -180,7 +179,7 @@ class _Crew:
             process = self._context.Process(
                 target=_work, name=_WORKER, args=(theirs, self._watched), daemon=True
             )
-            with _signals_held_back(), contextlib.suppress(BrokenPipeError):  # dead already
+            with signals_held_back(), contextlib.suppress(BrokenPipeError):  # dead already
                 process.start()
                 worker = _Worker(process, pipe)
                 self.workers.append(worker)
@@ -233,32 +232,8 @@ def _crew() -> Iterator[_Crew]:
     try:
         yield crew
     finally:
-        with _signals_held_back():
+        with signals_held_back():
             crew.close()
-
-
-@contextlib.contextmanager
-def _signals_held_back() -> Iterator[None]:
-    """Hold signals back; workers started meanwhile inherit that for good.
-
-    One that comes meanwhile is answered here afterwards. To block it in this thread is not
-    enough for that: any other thread may take it, and have this one raise the exception.
-    """
-    came: list[int] = []
-    handlers = {}
-    if threading.current_thread() is threading.main_thread():
-        for number in (*_SIGNALS, signal.SIGALRM):  # an answer may be put off by an alarm
-            if callable(signal.getsignal(number)):
-                handlers[number] = signal.signal(number, lambda number, _: came.append(number))
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-        for number, handler in handlers.items():
-            signal.signal(number, handler)
-        for late in dict.fromkeys(came):
-            signal.raise_signal(late)
 
 
 # -- workers, from inside ----------------------------------------------------------------
@@ -270,7 +245,7 @@ _at_work = False
 def _work(pipe: Connection, watched: Connection) -> None:
     global _at_work
     _at_work = True
-    for number in _SIGNALS:
+    for number in SIGNALS:
         signal.signal(number, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, args=(watched,), daemon=True).start()
 

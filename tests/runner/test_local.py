@@ -22,6 +22,7 @@ from roughbench.runner.engine import Outcome
 from roughbench.runner.local import compute_here, compute_in_workers
 from roughbench.runner.plan import Cell, Task
 from roughbench.runner.resources import Sharing, check_memory, memory_of, sharing
+from roughbench.signals import signals_held_back
 from roughbench.spec import load_spec
 from tests.runner.fakes import Fake, Misdeed
 
@@ -173,7 +174,7 @@ def test_a_signal_that_another_thread_takes_waits_too(number: signal.Signals) ->
     waited: list[bool] = []
 
     def start_a_worker() -> None:
-        with local._signals_held_back():
+        with signals_held_back():
             os.kill(os.getpid(), number)
             time.sleep(0.2)
             waited.append(True)
