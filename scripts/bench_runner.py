@@ -26,9 +26,9 @@ from _machine import describe_machine
 
 import roughbench as rb
 from roughbench.models.foundation import foundation_curve
+from roughbench.planning.plan import Cell
+from roughbench.planning.samples import make_sample
 from roughbench.runner import plan, preview
-from roughbench.runner.plan import Cell
-from roughbench.runner.samples import make_sample
 
 REALIZATIONS, TASKS = 10_000, 1_000
 SPEC = {

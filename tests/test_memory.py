@@ -115,7 +115,7 @@ PROGRAM = """\
 import resource
 import numpy as np
 import roughbench as rb
-from roughbench.runner.resources import sharing
+from roughbench.planning.resources import sharing
 rb.solve_contact(np.eye(16), 0.1)
 here = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
 resource.setrlimit(resource.RLIMIT_AS, (here + 300 * 2**20,) * 2)

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from roughbench.errors import StoreError
 from roughbench.figures.rebuild import Experiment, self_affine_experiments
+from roughbench.planning.samples import make_sample
 from roughbench.results import ModelResult, Results
-from roughbench.runner.samples import make_sample
 
 FloatArray = NDArray[np.float64]
 WINDOW = 48

@@ -20,8 +20,8 @@ from roughbench.figures.rebuild import Experiment, self_affine_experiments, spec
 from roughbench.figures.style import GUIDE, legend_above, new_figure
 from roughbench.figures.words import experiment_label
 from roughbench.models.base import Sample
+from roughbench.planning.samples import make_sample
 from roughbench.results import Results
-from roughbench.runner.samples import make_sample
 from roughbench.spec import SelfAffineSurface, Spec
 from roughbench.spectrum import Spectrum, self_affine
 from roughbench.surface import wavenumbers

@@ -7,15 +7,15 @@ jobs, to the last bit.
 
 from __future__ import annotations
 
-from roughbench.runner.cluster import Cluster
+from roughbench.engines.cluster import Cluster
+from roughbench.planning.plan import check, plan
+from roughbench.planning.resources import available_cores
+from roughbench.planning.samples import make_sample
+from roughbench.rundir.folder import folder_of
 from roughbench.runner.driver import preview, run, run_to_file
-from roughbench.runner.folder import folder_of
 from roughbench.runner.inspection import Account, State, accounts, clean, status, verify
 from roughbench.runner.overview import Part
-from roughbench.runner.plan import check, plan
 from roughbench.runner.progress import Progress, Report
-from roughbench.runner.resources import available_cores
-from roughbench.runner.samples import make_sample
 
 __all__ = [
     "Account",

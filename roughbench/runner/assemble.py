@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from roughbench.engines import observing
 from roughbench.ensemble import STATISTICS, harmonic_mean, summarize
 from roughbench.models.base import Status
+from roughbench.planning.plan import Block, Cell
+from roughbench.planning.samples import describe
 from roughbench.results import Array, ModelResult
-from roughbench.runner import observing
-from roughbench.runner.compute import Block
-from roughbench.runner.plan import Cell
-from roughbench.runner.samples import describe
 from roughbench.variables import AVERAGED, dimensions
 
 

@@ -10,31 +10,31 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from roughbench.errors import IncompleteError, RoughbenchError, StoreError
-from roughbench.outputs import Kind, check_output
-from roughbench.publish import make_folder, put, refusals_named
-from roughbench.results import MadeWhenAsked, ModelResult, Results
-from roughbench.runner.assemble import assemble
-from roughbench.runner.bar import reported
-from roughbench.runner.checkpoint import Checkpoint
-from roughbench.runner.cluster import Cluster
-from roughbench.runner.dask_engine import compute_on_cluster
-from roughbench.runner.engine import Outcome
-from roughbench.runner.folder import RunFolder
-from roughbench.runner.journal import LOG, log, log_task, logged_to
-from roughbench.runner.local import (
+from roughbench.engines.base import Outcome
+from roughbench.engines.cluster import Cluster
+from roughbench.engines.dask_cluster import compute_on_cluster
+from roughbench.engines.local import (
     compute_here,
     compute_in_workers,
     refuse_in_a_new_worker,
 )
-from roughbench.runner.only import label_of, select
+from roughbench.errors import IncompleteError, RoughbenchError, StoreError
+from roughbench.outputs import Kind, check_output
+from roughbench.planning.plan import Cell, Task, check, plan
+from roughbench.planning.resources import Sharing, check_memory, sharing
+from roughbench.publish import make_folder, put, refusals_named
+from roughbench.results import MadeWhenAsked, ModelResult, Results
+from roughbench.rundir.checkpoint import Checkpoint
+from roughbench.rundir.folder import RunFolder
+from roughbench.rundir.journal import LOG, log, log_task, logged_to
+from roughbench.runner.assemble import assemble
+from roughbench.runner.bar import reported
 from roughbench.runner.overview import Part, overview
-from roughbench.runner.plan import Cell, Task, check, plan
 from roughbench.runner.progress import COMPILING, Progress, Report
 from roughbench.runner.provenance import inputs_of, provenance, spent
-from roughbench.runner.resources import Sharing, check_memory, sharing
+from roughbench.runner.scan import Stock, survey
+from roughbench.runner.selection import label_of, select
 from roughbench.runner.speed import Speeds
-from roughbench.runner.survey import Stock, survey
 from roughbench.seal import sha256_of
 from roughbench.spec import FileSurface, Source, Spec, load_spec
 from roughbench.store import RESULTS, RESULTS_OR_STUMP, load, whose, written_results

@@ -10,15 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from roughbench.errors import RoughbenchError, StoreError
+from roughbench.planning.plan import check, plan
+from roughbench.planning.resources import Sharing, sharing
 from roughbench.program import command, program
-from roughbench.runner.folder import SUFFIX, RunFolder
-from roughbench.runner.mark import check_marked
-from roughbench.runner.only import select
+from roughbench.rundir.folder import SUFFIX, RunFolder
+from roughbench.rundir.mark import check_marked
+from roughbench.rundir.shards import ShardError
 from roughbench.runner.overview import Part, overview
-from roughbench.runner.plan import check, plan
-from roughbench.runner.resources import Sharing, sharing
-from roughbench.runner.shards import ShardError
-from roughbench.runner.survey import Stock, survey
+from roughbench.runner.scan import Stock, survey
+from roughbench.runner.selection import select
 from roughbench.spec import Spec, load_spec, parse_spec
 from roughbench.store import opened, whose
 

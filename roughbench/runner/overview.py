@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from roughbench.runner.folder import RunFolder
-from roughbench.runner.plan import Cell, Task
-from roughbench.runner.resources import assembly_memory, memory_of
-from roughbench.runner.shards import realizations_of
+from roughbench.planning.plan import Cell, Task
+from roughbench.planning.resources import assembly_memory, memory_of
+from roughbench.rundir.folder import RunFolder
+from roughbench.rundir.shards import realizations_of
+from roughbench.runner.scan import Stock
 from roughbench.runner.speed import Speeds
-from roughbench.runner.survey import Stock
 
 
 @dataclass(frozen=True, slots=True)

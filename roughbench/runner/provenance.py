@@ -8,9 +8,9 @@ import subprocess
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from roughbench.runner.identity import assembly_digest
-from roughbench.runner.survey import Stock
-from roughbench.runner.usage import machine, now
+from roughbench.rundir.identity import assembly_digest
+from roughbench.rundir.usage import machine, now
+from roughbench.runner.scan import Stock
 from roughbench.spec import Spec
 
 

@@ -22,9 +22,9 @@ from click.testing import Result
 import roughbench as rb
 from roughbench import runner
 from roughbench.cli import progress as cli_progress
+from roughbench.planning.plan import Block
+from roughbench.rundir.collected import Collected
 from roughbench.runner import Progress
-from roughbench.runner.collected import Collected
-from roughbench.runner.compute import Block
 
 Invoke = Callable[..., Result]
 Popen = subprocess.Popen[str]

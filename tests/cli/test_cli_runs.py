@@ -11,7 +11,7 @@ import pytest
 from click.testing import Result
 
 import roughbench as rb
-from roughbench.runner.folder import RunFolder
+from roughbench.rundir.folder import RunFolder
 
 Invoke = Callable[..., Result]
 

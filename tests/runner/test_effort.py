@@ -12,10 +12,11 @@ import pytest
 import roughbench as rb
 from roughbench import runner
 from roughbench.errors import RoughbenchError
-from roughbench.runner import driver, former, shards
-from roughbench.runner.collected import Collected, Coverage
-from roughbench.runner.plan import plan
-from roughbench.runner.resources import assembly_memory
+from roughbench.planning.plan import plan
+from roughbench.planning.resources import assembly_memory
+from roughbench.rundir import former, shards
+from roughbench.rundir.collected import Collected, Coverage
+from roughbench.runner import driver
 from roughbench.spec import load_spec
 
 Tree = dict[str, Any]
@@ -47,9 +48,9 @@ def test_what_changed_is_found_without_comparing_all_with_all(
     tree = small_spec | {"models": [{"kind": "persson"}], "sweep": {"surface.slope": slopes}}
     rb.run(tree, output=output)
     read = counted(monkeypatch, shards, "read_shard")
-    monkeypatch.setattr("roughbench.runner.folder.read_shard", shards.read_shard)
+    monkeypatch.setattr("roughbench.rundir.folder.read_shard", shards.read_shard)
     looked = counted(monkeypatch, shards, "read_identity")
-    monkeypatch.setattr("roughbench.runner.folder.read_identity", shards.read_identity)
+    monkeypatch.setattr("roughbench.rundir.folder.read_identity", shards.read_identity)
     compared = counted(monkeypatch, former, "changes")
     parts = runner.preview(tree | {"pressures": [1e-3]}, output=output)
     assert {part.reason[:31] for part in parts} == {"changed: pressures: 3 from 0.00"}
@@ -128,7 +129,7 @@ def test_results_that_could_not_be_put_together_are_refused_before(
     output: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     tree = kept(2, 3)
-    monkeypatch.setattr("roughbench.runner.resources.assembly_memory", lambda _: 10 * 2**30)
+    monkeypatch.setattr("roughbench.planning.resources.assembly_memory", lambda _: 10 * 2**30)
     with pytest.raises(RoughbenchError, match=r"put its results together takes about 10\.7 GB"):
         rb.run(tree, output=output, max_memory="4G")
     monkeypatch.undo()

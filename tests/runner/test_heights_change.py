@@ -10,11 +10,11 @@ import pytest
 
 import roughbench as rb
 from roughbench import runner
+from roughbench.engines.compute import compute
 from roughbench.heights_file import load_heights
-from roughbench.runner import samples
-from roughbench.runner.compute import compute
-from roughbench.runner.folder import RunFolder
-from roughbench.runner.plan import Cell, Task, plan
+from roughbench.planning import samples
+from roughbench.planning.plan import Cell, Task, plan
+from roughbench.rundir.folder import RunFolder
 from roughbench.spec import load_spec
 
 MOST_READS = 4

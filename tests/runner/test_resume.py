@@ -12,14 +12,14 @@ import pytest
 import roughbench as rb
 from roughbench import runner
 from roughbench.errors import IncompleteError
-from roughbench.runner import checkpoint as checkpoints
+from roughbench.planning.plan import Cell
+from roughbench.rundir import checkpoint as checkpoints
+from roughbench.rundir.folder import RunFolder
+from roughbench.rundir.journal import log_task
+from roughbench.rundir.shards import Shard
 from roughbench.runner import driver, inspection
-from roughbench.runner.folder import RunFolder
-from roughbench.runner.journal import log_task
-from roughbench.runner.plan import Cell
-from roughbench.runner.shards import Shard
 from roughbench.spec import load_spec
-from tests.runner.fakes import Fake, Misdeed, Steps
+from tests.engines.fakes import Fake, Misdeed, Steps
 
 Tree = dict[str, Any]
 
@@ -162,7 +162,7 @@ def test_other_code_is_a_change(
     small_spec: Tree, output: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rb.run(small_spec, output=output)
-    monkeypatch.setattr("roughbench.runner.identity.code_digest", lambda _: "f" * 12)
+    monkeypatch.setattr("roughbench.rundir.identity.code_digest", lambda _: "f" * 12)
     assert reasons(small_spec, output)["main/persson:1-1"].startswith("changed: code: ")
 
 
@@ -229,7 +229,7 @@ def test_a_damaged_shard_is_named_set_aside_and_computed_again(
 def test_a_resumed_run_has_the_threads_of_its_shards(
     output: Path, monkeypatch: pytest.MonkeyPatch, computed: list[str]
 ) -> None:
-    monkeypatch.setattr("roughbench.runner.resources.available_cores", lambda: 4)
+    monkeypatch.setattr("roughbench.planning.resources.available_cores", lambda: 4)
     rb.run(SMOOTH, output=output, jobs=2)  # two threads each
     del computed[:]
     for options in ({"jobs": 1}, {"jobs": 4}, {"jobs": None}, {"threads": 2}):
@@ -299,7 +299,7 @@ def test_a_killed_curve_goes_on_from_its_last_pressure(
     monkeypatch.setattr(checkpoints, "SECONDS_BETWEEN", 0.0)
     monkeypatch.setattr(checkpoints, "COST", 1e9)
     # The stop is what kills it, not what the numbers depend on.
-    monkeypatch.setattr("roughbench.runner.survey.identity", lambda *_: {"model.kind": "steps"})
+    monkeypatch.setattr("roughbench.runner.scan.identity", lambda *_: {"model.kind": "steps"})
     monkeypatch.setattr(driver, "plan", lambda _: [steps(small_spec, 7)])
     with pytest.raises(rb.SolverError, match="killed") as caught:
         rb.run(small_spec, output=output)
@@ -326,9 +326,9 @@ def test_a_killed_curve_is_seen_whatever_its_threads(
     """No shard tells the threads yet: the last request does, and the checkpoint itself."""
     monkeypatch.setattr(checkpoints, "SECONDS_BETWEEN", 0.0)
     monkeypatch.setattr(checkpoints, "COST", 1e9)
-    monkeypatch.setattr("roughbench.runner.resources.available_cores", lambda: 4)
+    monkeypatch.setattr("roughbench.planning.resources.available_cores", lambda: 4)
     monkeypatch.setattr(
-        "roughbench.runner.survey.identity",
+        "roughbench.runner.scan.identity",
         lambda _, threads: {"model.kind": "steps", "threads": threads},
     )
     for place in (driver, inspection):
@@ -358,7 +358,7 @@ def test_status_does_without_the_threads_of_the_request(output: Path, threads: A
 def test_clean_keeps_shards_of_more_threads_than_cores(
     output: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("roughbench.runner.resources.available_cores", lambda: 2)
+    monkeypatch.setattr("roughbench.planning.resources.available_cores", lambda: 2)
     rb.run(SMOOTH, output=output, threads=3)
     assert runner.clean(output, unused=True) == 0
     assert runner.status(output).state == "complete"
@@ -383,7 +383,7 @@ def test_a_checkpoint_is_worth_its_cost(tmp_path: Path) -> None:
 def test_a_disk_that_refuses_leaves_a_run_to_resume(
     small_spec: Tree, output: Path, monkeypatch: pytest.MonkeyPatch, computed: list[str]
 ) -> None:
-    from roughbench.runner.folder import RunFolder
+    from roughbench.rundir.folder import RunFolder
 
     real, calls = RunFolder.write, []
 

@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 
 import roughbench as rb
+from roughbench.engines.compute import compute
 from roughbench.models.base import Status
 from roughbench.models.foundation import foundation_curve
 from roughbench.models.persson import Persson, persson_curve
+from roughbench.planning.plan import Cell, Task, cut
+from roughbench.planning.samples import make_sample
 from roughbench.runner import Progress, check, plan
 from roughbench.runner.assemble import assemble
-from roughbench.runner.compute import compute
-from roughbench.runner.plan import Cell, Task, cut
-from roughbench.runner.samples import make_sample
 from roughbench.spec import load_spec
-from tests.runner.fakes import Fake, Misdeed
+from tests.engines.fakes import Fake, Misdeed
 
 
 @pytest.fixture

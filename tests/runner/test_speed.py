@@ -10,9 +10,10 @@ from typing import Any
 
 import pytest
 
+from roughbench.engines import compute
 from roughbench.models.foundation import Foundation
 from roughbench.models.persson import Persson
-from roughbench.runner import compute, preview, speed
+from roughbench.runner import preview, speed
 from roughbench.runner.speed import Speeds
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from roughbench.runner.folder import RunFolder
-from roughbench.runner.identity import Identity, changes, key_of
+from roughbench.rundir.folder import RunFolder
+from roughbench.rundir.identity import Identity, changes, key_of
 
 _MOST_CHANGES = 4
 _MOST_COMPARED = 50

@@ -18,8 +18,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from roughbench.engines.cluster import Cluster
 from roughbench.errors import RoughbenchError
-from roughbench.runner.cluster import Cluster
 
 if TYPE_CHECKING:
     from distributed.security import Security

@@ -14,7 +14,7 @@ from roughbench.models.base import Sample
 from roughbench.models.foundation import Foundation
 from roughbench.models.halfspace import HalfSpace
 from roughbench.models.persson import Persson
-from roughbench.runner.samples import check_sample, describe, make_sample, rms_of
+from roughbench.planning.samples import check_sample, describe, make_sample, rms_of
 from roughbench.spec import FileSurface, SelfAffineSurface
 
 LINE, PERSSON = Foundation(springs=64), Persson()

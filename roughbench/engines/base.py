@@ -8,12 +8,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
+from roughbench.engines.compute import compute
 from roughbench.errors import RoughbenchError
 from roughbench.models.compilation import compiling_told
-from roughbench.runner.checkpoint import Checkpoint
-from roughbench.runner.compute import Block, compute
-from roughbench.runner.plan import Task
-from roughbench.runner.usage import Meter, Usage
+from roughbench.planning.plan import Block, Task
+from roughbench.rundir.checkpoint import Checkpoint
+from roughbench.rundir.usage import Meter, Usage
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,8 +20,8 @@ from pathlib import Path
 import roughbench.models
 import roughbench.observables
 from roughbench.models.base import Model
-from roughbench.runner import source
-from roughbench.runner.plan import Cell
+from roughbench.planning.plan import Cell
+from roughbench.rundir import source
 from roughbench.spec import SelfAffineSurface
 
 Identity = Mapping[str, str | int | float]
@@ -31,11 +31,7 @@ _PACKAGE = Path(roughbench.models.__file__).parents[1]
 _numerics = re.compile(
     r"roughbench\.(models\.\w+|surface|spectrum|transform|heights_file)\b", re.ASCII
 ).match
-_RESULTS = (
-    *("ensemble", "results", "store", "variables", "spectrum"),
-    *("runner/assemble", "runner/collected", "runner/samples"),
-)
-_SAMPLES = ("surface", "spectrum", "heights_file", "runner.samples")
+_SAMPLES = ("surface", "spectrum", "heights_file", "planning.samples")
 
 
 def identity(cell: Cell, threads: int) -> Identity:
@@ -114,7 +110,7 @@ def changes(before: Identity, after: Identity) -> list[str]:
 def code_digest(model: type[Model]) -> str:
     """Return a digest of what the source files compute that make a model's numbers.
 
-    12 digits; blind to docstrings, comments and layout, see :mod:`roughbench.runner.source`.
+    12 digits; blind to docstrings, comments and layout, see :mod:`roughbench.rundir.source`.
     """
     waiting = [_unit(model.__module__.removeprefix("roughbench."), model)]
     waiting += [_unit(name, model) for name in _SAMPLES]
@@ -136,18 +132,16 @@ def code_digest(model: type[Model]) -> str:
 def observing_digest() -> str:
     """Return a digest of what the source files compute that make the observables, 8 digits."""
     paths = sorted(Path(roughbench.observables.__file__).parent.glob("*.py"))
-    paths.append(_PACKAGE / "runner" / "observing.py")
+    paths.append(_PACKAGE / "engines" / "observing.py")
     return _together([source.digest(path.read_text(encoding="utf-8")) for path in paths])[:8]
 
 
 @functools.cache
 def assembly_digest() -> str:
     """Return a digest of what the source files compute that make a results file of shards."""
-    names = ("ensemble.py", "results.py", "store.py", "variables.py", "spectrum.py")
-    paths = [_PACKAGE / name for name in names]
-    paths += [
-        _PACKAGE / "runner" / f"{name}.py" for name in ("assemble", "collected", "samples")
-    ]
+    names = ["ensemble", "results", "store", "variables", "spectrum"]
+    names += ["runner/assemble", "rundir/collected", "planning/samples"]
+    paths = [_PACKAGE / f"{name}.py" for name in names]
     texts = [path.read_text(encoding="utf-8") for path in paths]
     return _together([*map(source.digest, texts), observing_digest()])
 
@@ -159,7 +153,14 @@ def _together(digests: Sequence[str]) -> str:
 def _unit(name: str, model: type[Model]) -> list[Path]:
     """Return the files of a module, or of the whole package that it stands in."""
     parts = name.split(".")
-    if parts[0] not in {"models", "runner", "surface", "spectrum", "transform", "heights_file"}:
+    if parts[0] not in {
+        "models",
+        "planning",
+        "surface",
+        "spectrum",
+        "transform",
+        "heights_file",
+    }:
         return [Path(inspect.getfile(model))]  # a model from elsewhere
     folder = _PACKAGE.joinpath(*parts[:2])
     if folder.is_dir():

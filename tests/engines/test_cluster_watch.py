@@ -11,11 +11,12 @@ from pathlib import Path
 import pytest
 
 import roughbench as rb
+from roughbench.engines import cluster_watch
+from roughbench.engines.cluster_watch import within
 from roughbench.errors import IncompleteError
-from roughbench.runner import Cluster, Progress, cluster_watch
-from roughbench.runner.cluster_watch import within
-from tests.runner.dask_processes import SPEC, Processes, dask_processes
-from tests.runner.test_cluster import fakes
+from roughbench.runner import Cluster, Progress
+from tests.engines.dask_processes import SPEC, Processes, dask_processes
+from tests.engines.test_cluster import fakes
 
 pytest.importorskip("distributed")
 

@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roughbench.models.base import FloatArray, IntArray
+from roughbench.planning.plan import Block, Cell
 from roughbench.results import Array
-from roughbench.runner.compute import Block
-from roughbench.runner.plan import Cell
 from roughbench.variables import FIELD_VARIABLES, dimensions
 
 Place = tuple[int, float]

@@ -12,8 +12,13 @@ import numpy as np
 from roughbench.errors import SurfaceError
 from roughbench.models.base import FloatArray, Model
 from roughbench.observables import OBSERVABLES, ObservableName
-from roughbench.runner.samples import Heights, Surface, check_sample, read_heights
+from roughbench.planning.samples import Heights, Surface, check_sample, read_heights
+from roughbench.results import Array
 from roughbench.spec import FileSurface, SelfAffineSurface, Spec
+
+Block = dict[str, Array]
+"""What a task computes: variables by name, along the first axis its realizations, fields or
+bins."""
 
 SECONDS_PER_TASK = 1.0
 """Small realizations are batched to about this: to commit a task costs a hundredth of it."""

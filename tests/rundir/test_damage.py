@@ -14,13 +14,13 @@ from hypothesis import strategies as st
 
 import roughbench as rb
 from roughbench import runner
-from roughbench.runner import checkpoint as checkpoints
+from roughbench.planning.plan import Cell
+from roughbench.rundir import checkpoint as checkpoints
+from roughbench.rundir.checkpoint import Checkpoint
+from roughbench.rundir.folder import RunFolder
 from roughbench.runner import driver
-from roughbench.runner.checkpoint import Checkpoint
-from roughbench.runner.folder import RunFolder
-from roughbench.runner.plan import Cell
 from roughbench.spec import load_spec
-from tests.runner.fakes import Steps
+from tests.engines.fakes import Steps
 
 Tree = dict[str, Any]
 
@@ -94,7 +94,7 @@ def steps(small_spec: Tree, monkeypatch: pytest.MonkeyPatch) -> Any:
     monkeypatch.setattr(checkpoints, "SECONDS_BETWEEN", 0.0)
     monkeypatch.setattr(checkpoints, "COST", 1e9)
     # The stop is what kills it, not what the numbers depend on.
-    monkeypatch.setattr("roughbench.runner.survey.identity", lambda *_: {"model.kind": "steps"})
+    monkeypatch.setattr("roughbench.runner.scan.identity", lambda *_: {"model.kind": "steps"})
     spec = load_spec(small_spec)
     pressures = tuple(np.geomspace(1e-4, 1e-2, 10).tolist())
 
@@ -230,7 +230,7 @@ _runs: list[tuple[RunFolder, bytes]] = []
 def test_clean_keeps_what_the_last_run_needed_whatever_the_code_says_now(
     finished: RunFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("roughbench.runner.identity.code_digest", lambda _: "f" * 12)
+    monkeypatch.setattr("roughbench.rundir.identity.code_digest", lambda _: "f" * 12)
     assert runner.clean(finished.results, unused=True) == 0
 
 

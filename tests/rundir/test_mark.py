@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 
 import roughbench as rb
-from roughbench.runner import clean, mark
+from roughbench.rundir import mark
+from roughbench.runner import clean
 
 
 @pytest.fixture

@@ -7,17 +7,14 @@ from collections.abc import Callable
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from roughbench.engines.observing import Observer
 from roughbench.errors import RoughbenchError, SolverError
 from roughbench.models.base import Curve, Sample, Snapshot, Status, TakeFields
+from roughbench.planning.plan import Block, Task
+from roughbench.planning.samples import make_sample, rms_of
 from roughbench.results import Array
-from roughbench.runner.checkpoint import Checkpoint
-from roughbench.runner.observing import Observer
-from roughbench.runner.plan import Task
-from roughbench.runner.samples import make_sample, rms_of
+from roughbench.rundir.checkpoint import Checkpoint
 from roughbench.variables import AVERAGED, FIELD_VARIABLES, dimensions
-
-Block = dict[str, Array]
-"""Variables by name; first axis: the realizations of one task, its fields, or bins."""
 
 
 def compute(

@@ -23,9 +23,9 @@ from roughbench.observables import (
     persson_stress_spectrum,
 )
 from roughbench.observables.fields import mean_and_error
+from roughbench.planning.plan import Cell, Task
+from roughbench.planning.samples import Surface, rms_of
 from roughbench.results import Array, Attribute
-from roughbench.runner.plan import Cell, Task
-from roughbench.runner.samples import Surface, rms_of
 from roughbench.spec import SelfAffineSurface
 from roughbench.variables import dimensions, scalars_of, variable_of
 

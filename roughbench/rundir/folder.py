@@ -10,7 +10,7 @@
     ``checkpoints/``     finished states of long curves
     ``set-aside/``       shards that were damaged
 
-The shards are the truth (:mod:`roughbench.runner.shards`); all else may be deleted. Every file
+The shards are the truth (:mod:`roughbench.rundir.shards`); all else may be deleted. Every file
 is published in one step and carries its checksum.
 """
 
@@ -31,15 +31,14 @@ import numpy as np
 
 from roughbench.errors import LockedError, StoreError, explained
 from roughbench.locks import open_lock, try_lock
+from roughbench.planning.plan import Block, Task
 from roughbench.publish import commit, refusals_named, remove_leftovers, temporary_of
-from roughbench.runner.checkpoint import Checkpoint
-from roughbench.runner.compute import Block
-from roughbench.runner.identity import Identity, key_of
-from roughbench.runner.journal import log
-from roughbench.runner.mark import mark
-from roughbench.runner.plan import Task
-from roughbench.runner.shards import Shard, read_identity, read_shard, write_shard
-from roughbench.runner.usage import Usage, now
+from roughbench.rundir.checkpoint import Checkpoint
+from roughbench.rundir.identity import Identity, key_of
+from roughbench.rundir.journal import log
+from roughbench.rundir.mark import mark
+from roughbench.rundir.shards import Shard, read_identity, read_shard, write_shard
+from roughbench.rundir.usage import Usage, now
 from roughbench.seal import sha256_of
 
 SUFFIX = ".rbrun"

@@ -21,11 +21,11 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Any
 
+from roughbench.engines.base import CheckpointOf, Listener, Outcome, carry_out
 from roughbench.errors import RoughbenchError
-from roughbench.runner.checkpoint import Checkpoint
-from roughbench.runner.engine import CheckpointOf, Listener, Outcome, carry_out
-from roughbench.runner.plan import Task
-from roughbench.runner.resources import Sharing, memory_of
+from roughbench.planning.plan import Task
+from roughbench.planning.resources import Sharing, memory_of
+from roughbench.rundir.checkpoint import Checkpoint
 from roughbench.signals import SIGNALS, signals_held_back
 
 ATTEMPTS = 3

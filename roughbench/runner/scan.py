@@ -8,14 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from roughbench.runner.collected import Collected, Coverage, places_of
-from roughbench.runner.compute import Block
-from roughbench.runner.folder import RunFolder
-from roughbench.runner.former import Former
-from roughbench.runner.identity import Identity, identity, key_of
-from roughbench.runner.plan import Cell, Task, cut
-from roughbench.runner.resources import Sharing
-from roughbench.runner.shards import Shard, ShardError
+from roughbench.planning.plan import Block, Cell, Task, cut
+from roughbench.planning.resources import Sharing
+from roughbench.rundir.collected import Collected, Coverage, places_of
+from roughbench.rundir.folder import RunFolder
+from roughbench.rundir.former import Former
+from roughbench.rundir.identity import Identity, identity, key_of
+from roughbench.rundir.shards import Shard, ShardError
 
 
 @dataclass(slots=True)

@@ -23,13 +23,12 @@ import numpy as np
 
 from roughbench.errors import StoreError, explained
 from roughbench.models.base import FloatArray
+from roughbench.planning.plan import Block, Task
 from roughbench.publish import put, written
 from roughbench.results import Array
-from roughbench.runner.collected import Place, places_of
-from roughbench.runner.compute import Block
-from roughbench.runner.identity import Identity, key_of
-from roughbench.runner.plan import Task
-from roughbench.runner.usage import Usage
+from roughbench.rundir.collected import Place, places_of
+from roughbench.rundir.identity import Identity, key_of
+from roughbench.rundir.usage import Usage
 from roughbench.seal import sha256_of
 from roughbench.variables import STORABLE, fits
 
@@ -98,7 +97,7 @@ class Shard:
 
     @property
     def block(self) -> Block:
-        """All variables, as :func:`roughbench.runner.compute.compute` returns them."""
+        """All variables, as :func:`roughbench.engines.compute.compute` returns them."""
         with self.opened() as variables:
             return dict(variables)
 

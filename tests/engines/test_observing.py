@@ -28,14 +28,14 @@ from roughbench.observables import (
     persson_pressure_shares,
     persson_stress_spectrum,
 )
+from roughbench.planning.plan import Task, plan
+from roughbench.planning.resources import memory_of
+from roughbench.planning.samples import make_sample
 from roughbench.results import ModelResult, Results
-from roughbench.runner import checkpoint as checkpoints
+from roughbench.rundir import checkpoint as checkpoints
+from roughbench.rundir.identity import identity
+from roughbench.rundir.journal import log_task
 from roughbench.runner import driver
-from roughbench.runner.identity import identity
-from roughbench.runner.journal import log_task
-from roughbench.runner.plan import Task, plan
-from roughbench.runner.resources import memory_of
-from roughbench.runner.samples import make_sample
 from roughbench.spec import SelfAffineSurface, Spec, load_spec
 from roughbench.variables import scalars_of, variable_of
 

@@ -16,15 +16,16 @@ from typing import Any
 import pytest
 
 import roughbench as rb
+from roughbench.engines import local
+from roughbench.engines.base import Outcome
+from roughbench.engines.local import compute_here, compute_in_workers
 from roughbench.memory import Room
-from roughbench.runner import local, resources
-from roughbench.runner.engine import Outcome
-from roughbench.runner.local import compute_here, compute_in_workers
-from roughbench.runner.plan import Cell, Task
-from roughbench.runner.resources import Sharing, check_memory, memory_of, sharing
+from roughbench.planning import resources
+from roughbench.planning.plan import Cell, Task
+from roughbench.planning.resources import Sharing, check_memory, memory_of, sharing
 from roughbench.signals import signals_held_back
 from roughbench.spec import load_spec
-from tests.runner.fakes import Fake, Misdeed
+from tests.engines.fakes import Fake, Misdeed
 
 PLENTY = Sharing(jobs=2, given_threads=1, memory=2**50, cores=2)
 
@@ -196,7 +197,7 @@ def test_a_worker_whose_parent_is_gone_says_nothing() -> None:
     program = (
         "import os, threading\n"
         "from multiprocessing import Pipe\n"
-        "from roughbench.runner import local\n"
+        "from roughbench.engines import local\n"
         "ours, theirs = Pipe()\n"
         "watched, alive = Pipe(duplex=False)\n"
         "ours.close()\n"

@@ -10,7 +10,7 @@ import pytest
 from roughbench.models.base import Model
 from roughbench.models.foundation import Foundation
 from roughbench.models.halfspace import HalfSpace
-from roughbench.runner import identity, source
+from roughbench.rundir import identity, source
 
 TEXT = '''
 """Springs."""

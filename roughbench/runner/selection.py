@@ -6,8 +6,8 @@ import re
 from collections.abc import Sequence
 
 from roughbench.errors import RoughbenchError
-from roughbench.runner.plan import Cell, Task
-from roughbench.runner.survey import Stock
+from roughbench.planning.plan import Cell, Task
+from roughbench.runner.scan import Stock
 from roughbench.text import on_one_line, suggestion
 
 

@@ -18,16 +18,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import roughbench as rb
+from roughbench.engines.compute import compute
 from roughbench.errors import LockedError
+from roughbench.planning.plan import Block, Cell, Task, plan
 from roughbench.publish import publish
-from roughbench.runner.compute import Block, compute
-from roughbench.runner.folder import RunFolder
-from roughbench.runner.identity import Identity, identity, key_of
-from roughbench.runner.plan import Cell, Task, plan
-from roughbench.runner.shards import Shard, ShardError
-from roughbench.runner.usage import Meter
+from roughbench.rundir.folder import RunFolder
+from roughbench.rundir.identity import Identity, identity, key_of
+from roughbench.rundir.shards import Shard, ShardError
+from roughbench.rundir.usage import Meter
 from roughbench.spec import load_spec
-from tests.runner.fakes import Fake
+from tests.engines.fakes import Fake
 
 
 @pytest.fixture
@@ -250,7 +250,7 @@ def test_a_killed_process_leaves_no_lock_and_no_leftovers(
         "import os, signal, sys\n"
         "from pathlib import Path\n"
         "from roughbench.publish import publish\n"
-        "from roughbench.runner.folder import RunFolder\n"
+        "from roughbench.rundir.folder import RunFolder\n"
         "folder = RunFolder(sys.argv[1])\n"
         "with folder.locked('killed'):\n"
         "    die = lambda file: (file.write(b'half'), os.kill(os.getpid(), signal.SIGKILL))\n"

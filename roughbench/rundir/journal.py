@@ -13,9 +13,8 @@ import numpy as np
 from roughbench.errors import StoreError, explained
 from roughbench.models.base import Status
 from roughbench.outputs import Kind
-from roughbench.runner.compute import Block
-from roughbench.runner.plan import Task
-from roughbench.runner.usage import Usage
+from roughbench.planning.plan import Block, Task
+from roughbench.rundir.usage import Usage
 
 log = logging.getLogger("roughbench.run")
 """INFO: a line per task. DEBUG: a line per state."""

@@ -23,15 +23,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
+from roughbench.engines.base import CheckpointOf, Listener, Outcome, carry_out
+from roughbench.engines.cluster import Cluster
+from roughbench.engines.cluster_watch import ClusterWatch, within
+from roughbench.engines.slurm import INSTALL, LOOPBACK, jobs_of_slurm
 from roughbench.errors import IncompleteError, RoughbenchError
-from roughbench.runner.checkpoint import Checkpoint
-from roughbench.runner.cluster import Cluster
-from roughbench.runner.cluster_watch import ClusterWatch, within
-from roughbench.runner.engine import CheckpointOf, Listener, Outcome, carry_out
-from roughbench.runner.identity import code_digest, observing_digest
-from roughbench.runner.plan import Task
-from roughbench.runner.resources import memory_of
-from roughbench.runner.slurm import INSTALL, LOOPBACK, jobs_of_slurm
+from roughbench.planning.plan import Task
+from roughbench.planning.resources import memory_of
+from roughbench.rundir.checkpoint import Checkpoint
+from roughbench.rundir.identity import code_digest, observing_digest
 
 if TYPE_CHECKING:
     from distributed import Client, Future

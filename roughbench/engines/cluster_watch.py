@@ -8,8 +8,8 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from roughbench.engines.cluster import Cluster
 from roughbench.errors import IncompleteError, RoughbenchError
-from roughbench.runner.cluster import Cluster
 
 if TYPE_CHECKING:
     from distributed import Client

@@ -17,9 +17,10 @@ from typing import Any
 import pytest
 
 import roughbench as rb
+from roughbench.engines import cluster_watch, slurm
 from roughbench.errors import IncompleteError
-from roughbench.runner import Cluster, Progress, cluster_watch, slurm
-from tests.runner.dask_processes import SPEC
+from roughbench.runner import Cluster, Progress
+from tests.engines.dask_processes import SPEC
 
 pytest.importorskip("dask_jobqueue")
 pytest.importorskip("cryptography")

@@ -13,7 +13,7 @@ from roughbench.memory import gigabytes, room
 from roughbench.models.halfspace import HalfSpace
 from roughbench.models.halfspace.memory import needed
 from roughbench.models.line import Line
-from roughbench.runner.plan import NOTHING, Cell, Task
+from roughbench.planning.plan import NOTHING, Cell, Task
 
 GRID_FOR_ALL_CORES = 1536
 """Points per side from which one task with all cores beats several with one each."""

@@ -1,0 +1,1 @@
+"""What computes tasks: this process, worker processes, or the machines of a Dask cluster."""

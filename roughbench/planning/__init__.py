@@ -1,0 +1,1 @@
+"""What is to be computed: experiments, models and realizations, cut into tasks that fit."""
