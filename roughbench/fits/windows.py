@@ -26,12 +26,12 @@ def widest_between(
         Ascending.
     y : ndarray of float64, shape (B, P)
         One curve a row.
-    low, high : ndarray of float64, shape (B,)
-        The levels of each curve.
+    low, high : ndarray of float64, shape (…, B)
+        The levels of each curve; several for each, along the axes before the last.
 
     Returns
     -------
-    (ndarray of float64, ndarray of float64), shape (B,)
+    (ndarray of float64, ndarray of float64), shape (…, B)
         Both ends; nan where a curve is nowhere between them.
 
     Examples
@@ -41,10 +41,9 @@ def widest_between(
     >>> float(start[0]), float(end[0])
     (0.5, 2.5)
     """
-    count = y.shape[0]
-    best_start, best_end = np.full(count, math.nan), np.full(count, math.nan)
-    best = np.full(count, -1.0)
-    start, running = np.zeros(count), np.zeros(count, bool)
+    best_start, best_end = np.full(low.shape, math.nan), np.full(low.shape, math.nan)
+    best = np.full(low.shape, -1.0)
+    start, running = np.zeros(low.shape), np.zeros(low.shape, bool)
     for k in range(x.size - 1):
         first, last, known = _inside(y[:, k], y[:, k + 1], low, high)
         width = x[k + 1] - x[k]
@@ -99,17 +98,15 @@ def widest_flat(
     The best band touches the curve at one of its corners at least, from above or from
     below, so trying all of them finds it.
     """
-    count = y.shape[0]
     band = math.log((1.0 + tolerance) / (1.0 - tolerance))
-    best_start, best_end = np.full(count, math.nan), np.full(count, math.nan)
-    best = np.full(count, -1.0)
-    for k in range(x.size):
-        corner = np.where(np.isfinite(y[:, k]), y[:, k], math.inf)
-        for low in (corner, corner - band):
-            with np.errstate(invalid="ignore"):
-                start, end = widest_between(x, y, low - _SLACK, low + band + _SLACK)
-                # By rounding alone no interval is longer.
-                better = end - start > best * (1.0 + 1e-12)
+    corner = np.where(np.isfinite(y), y, math.inf).T
+    with np.errstate(invalid="ignore"):
+        low = np.stack([corner, corner - band], axis=1).reshape(-1, y.shape[0])
+        starts, ends = widest_between(x, y, low - _SLACK, low + band + _SLACK)
+        best_start, best_end = np.full(y.shape[0], math.nan), np.full(y.shape[0], math.nan)
+        best = np.full(y.shape[0], -1.0)
+        for start, end in zip(starts, ends, strict=True):
+            better = end - start > best * (1.0 + 1e-12)  # by rounding alone none is longer
             best = np.where(better, end - start, best)
             best_start = np.where(better, start, best_start)
             best_end = np.where(better, end, best_end)
