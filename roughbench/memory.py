@@ -15,7 +15,7 @@ _CGROUP = Path("/sys/fs/cgroup")
 
 
 @dataclass(frozen=True, slots=True)
-class Room:
+class AvailableMemory:
     """Bytes that can be had.
 
     Attributes
@@ -44,7 +44,7 @@ def gigabytes(size: float) -> str:
     return f"{size / 1e9:.1f} GB"
 
 
-def room() -> Room | None:
+def available_memory() -> AvailableMemory | None:
     """Return what can be had without swapping, and what limits it.
 
     The least of the machine's free memory, what the control groups of this process (v1 and
@@ -53,7 +53,7 @@ def room() -> Room | None:
     """
     known = [*_machine(), *_control_groups(), *_process()]
     least = min(known, key=lambda room: room.size, default=None)
-    return least and Room(max(0, least.size), least.limit)
+    return least and AvailableMemory(max(0, least.size), least.limit)
 
 
 def check(
@@ -79,18 +79,18 @@ def check(
     RoughbenchError
         Of the class ``error``.
     """
-    here = room()
+    here = available_memory()
     if here is not None and needed > here.size:
         raise error(f"{what}, and {here}; {remedy(here.size)}")
 
 
-def _machine() -> Iterator[Room]:
+def _machine() -> Iterator[AvailableMemory]:
     size = _entry(_PROC / "meminfo", "MemAvailable:")
     if size is not None:
-        yield Room(size)
+        yield AvailableMemory(size)
 
 
-def _control_groups() -> Iterator[Room]:
+def _control_groups() -> Iterator[AvailableMemory]:
     """Yield the room in the control group of this process and in those around it."""
     try:
         lines = (_PROC / "self/cgroup").read_text().splitlines()
@@ -119,14 +119,14 @@ def _control_groups() -> Iterator[Room]:
                 used = int((folder / names[1]).read_text())
                 # Pages of files that were read count as used, and are given up at need.
                 used -= _entry(folder / "memory.stat", names[2]) or 0
-                yield Room(
+                yield AvailableMemory(
                     limit - max(0, used),
                     "the memory limit of the control group: ask for more where the job or "
                     "container is started",
                 )
 
 
-def _process() -> Iterator[Room]:
+def _process() -> Iterator[AvailableMemory]:
     """Yield what the limits of this process leave it."""
     for kind, used, option in (
         (resource.RLIMIT_AS, "VmSize:", "-v"),
@@ -135,7 +135,7 @@ def _process() -> Iterator[Room]:
         limit, _ = resource.getrlimit(kind)
         if limit != resource.RLIM_INFINITY:
             taken = _entry(_PROC / "self/status", used) or 0
-            yield Room(limit - taken, f"the limit set by ulimit {option}: raise it")
+            yield AvailableMemory(limit - taken, f"the limit set by ulimit {option}: raise it")
 
 
 def _entry(path: Path, name: str) -> int | None:

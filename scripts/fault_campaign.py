@@ -275,7 +275,7 @@ def workers_of(parent: int) -> list[int]:
 def main() -> None:
     """Run the campaign and print the table of outcomes."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    for kind, default, told in (
+    for kind, default, message in (
         ("groups", 100, "kill -9 of all processes of a run"),
         ("workers", 50, "kill -9 of a worker"),
         ("terms", 20, "SIGTERM"),
@@ -284,7 +284,7 @@ def main() -> None:
         ("dask-groups", 10, "kill -9 of a run on a Dask cluster"),
         ("dask-workers", 10, "kill -9 of a Dask worker"),
     ):
-        parser.add_argument(f"--{kind}", type=int, default=default, help=told)
+        parser.add_argument(f"--{kind}", type=int, default=default, help=message)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--realizations", type=int, default=120, help="of the exact solver")
     options = vars(parser.parse_args())
@@ -315,8 +315,8 @@ def main() -> None:
     print("| disturbance | times | how the disturbed runs ended |\n|---|---|---|")
     for kind in campaign.done:
         ends = {code: n for (its, code), n in sorted(campaign.ends.items()) if its == kind}
-        told = ", ".join(f"{n} × {code}" for code, n in ends.items())
-        print(f"| {kind} | {campaign.done[kind]} | {told} |")
+        message = ", ".join(f"{n} × {code}" for code, n in ends.items())
+        print(f"| {kind} | {campaign.done[kind]} | {message} |")
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ import pytest
 import roughbench as rb
 from roughbench import memory
 from roughbench.heights_file import load_heights
-from roughbench.memory import Room, room
+from roughbench.memory import AvailableMemory, available_memory
 from roughbench.models.foundation import foundation_curve
 from roughbench.models.gw import counted_gw_curve
 from roughbench.models.hertz_top import asperity_of_heights
@@ -53,10 +53,10 @@ def system(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> System:
 
 
 def test_the_free_memory_of_the_machine(system: System) -> None:
-    assert room() == Room(FREE // 1000 * 1024)
-    assert str(room()) == "1.0 GB are available"
+    assert available_memory() == AvailableMemory(FREE // 1000 * 1024)
+    assert str(available_memory()) == "1.0 GB are available"
     system.write("proc/meminfo", "MemTotal: 3 kB")
-    assert room() is None
+    assert available_memory() is None
 
 
 @pytest.mark.parametrize("inner", [True, False])
@@ -68,10 +68,10 @@ def test_control_groups_of_version_2(system: System, *, inner: bool) -> None:
     system.write("cgroup/slurm/job7/memory.stat", "anon 5\ninactive_file 200000000\n")
     system.write("cgroup/slurm/memory.max", "max" if inner else 600_000_000)
     system.write("cgroup/slurm/memory.current", 200_000_000)
-    assert room() == Room(400_000_000, GROUP)
+    assert available_memory() == AvailableMemory(400_000_000, GROUP)
     system.write("cgroup/memory.max", 100)
     system.write("cgroup/memory.current", 200)
-    assert room() == Room(0, GROUP)
+    assert available_memory() == AvailableMemory(0, GROUP)
 
 
 def test_control_groups_of_version_1(system: System) -> None:
@@ -81,19 +81,19 @@ def test_control_groups_of_version_1(system: System) -> None:
         system.write("cgroup/memory/memory.limit_in_bytes", 500_000_000)
         system.write("cgroup/memory/memory.usage_in_bytes", 300_000_000)
         system.write("cgroup/memory/memory.stat", "cache 9\ntotal_inactive_file 100000000\n")
-        assert room() == Room(300_000_000, GROUP)
+        assert available_memory() == AvailableMemory(300_000_000, GROUP)
     system.write("proc/self/cgroup", "4:memory:/docker/abc")
     system.write("cgroup/memory/docker/abc/memory.limit_in_bytes", 2**63 - 4096)
     system.write("cgroup/memory/docker/abc/memory.usage_in_bytes", 1)
-    assert room() == Room(300_000_000, GROUP)
+    assert available_memory() == AvailableMemory(300_000_000, GROUP)
     system.write("cgroup/memory/memory.limit_in_bytes", 2**63 - 4096)
-    assert room() == Room(FREE // 1000 * 1024)
+    assert available_memory() == AvailableMemory(FREE // 1000 * 1024)
 
 
 @pytest.mark.parametrize("text", ["", "nonsense", "0::", "4:memory", "::\n:::"])
 def test_a_system_that_says_nothing_of_groups(system: System, text: str) -> None:
     system.write("proc/self/cgroup", text)
-    assert room() == Room(FREE // 1000 * 1024)
+    assert available_memory() == AvailableMemory(FREE // 1000 * 1024)
 
 
 @pytest.mark.parametrize(
@@ -108,7 +108,9 @@ def test_limits_of_the_process(
         return (8_072_000, 9_000_000) if asked == kind else (resource.RLIM_INFINITY,) * 2
 
     monkeypatch.setattr(resource, "getrlimit", limits)
-    assert room() == Room(left, f"the limit set by ulimit {option}: raise it")
+    assert available_memory() == AvailableMemory(
+        left, f"the limit set by ulimit {option}: raise it"
+    )
 
 
 PROGRAM = """\

@@ -103,8 +103,8 @@ class LazyGroup(click.Group):
             with contextlib.suppress(OSError):  # of a terminal that has been closed
                 if ctx.meta.get(DEBUG):
                     click.echo("".join(traceback.format_exception(error)), err=True, nl=False)
-                told = "\n".join([_message(error), *getattr(error, "__notes__", ())])
-                click.echo(printable(told), err=True)
+                message = "\n".join([_message(error), *getattr(error, "__notes__", ())])
+                click.echo(printable(message), err=True)
             ctx.exit(next(code for kind, code in _CODES if isinstance(error, kind)))
 
     def main(self, args: Sequence[str] | None = None, *rest: Any, **options: Any) -> Any:

@@ -48,7 +48,7 @@ class _Pace:
     """How long the rest takes, by the pace since the first news.
 
     Loops are compiled before that; to count this time would foretell hours. Between news the
-    time left counts down, and it is told only when it has begun to settle.
+    time left counts down, and it is message only when it has begun to settle.
     """
 
     def __init__(self) -> None:
@@ -56,18 +56,18 @@ class _Pace:
         self._begin: tuple[float, float] | None = None  # when, and what share was done
         self._end: float | None = None
         self._started = False
-        self._told = 0
+        self._monitored = 0
 
     def note(self, news: Progress) -> None:
         """Take note of news; the first one only says what was there at the start."""
         now = time.monotonic()
         if not self._started or news.text.startswith("compiling"):
-            self._started, self._begin, self._told = True, None, 0
+            self._started, self._begin, self._monitored = True, None, 0
             return
         if self._begin is None:
             self._begin = now, news.share
             return
-        self._told += 1
+        self._monitored += 1
         since, share = self._begin
         if news.share > share:
             self._end = now + (now - since) * (1.0 - news.share) / (news.share - share)
@@ -75,7 +75,7 @@ class _Pace:
     def left(self) -> str:
         """Return the time left, such as ``", 12 s left"``; empty if nobody can tell yet."""
         now = time.monotonic()
-        if self._end is None or self._begin is None or self._told < _NEWS_TO_SETTLE:
+        if self._end is None or self._begin is None or self._monitored < _NEWS_TO_SETTLE:
             return ""
         if now - self._begin[0] < _SECONDS_TO_SETTLE:
             return ""

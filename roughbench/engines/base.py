@@ -34,20 +34,20 @@ class Outcome:
         return self
 
 
-class Listener(Protocol):
-    """What an engine tells, in the thread and process that called it."""
+class TaskListener(Protocol):
+    """What an engine calls, in the thread and process that started it."""
 
-    def advanced(self, task: Task, done: int) -> None:
-        """Hear that so many states of a running task are done."""
+    def on_progress(self, task: Task, done: int) -> None:
+        """So many states of a running task are done."""
 
-    def compiling(self) -> None:
-        """Hear that loops are being compiled, once for all runs: it takes a while."""
+    def on_compiling(self) -> None:
+        """Loops are being compiled, once for all runs: it takes a while."""
 
-    def ended(self, task: Task, outcome: Outcome) -> None:
-        """Take the end of a task; what is raised here ends the engine."""
+    def on_end(self, task: Task, outcome: Outcome) -> None:
+        """A task has ended; what is raised here ends the engine."""
 
-    def said(self, text: str) -> None:
-        """Hear what a log should know, such as the death of a worker."""
+    def on_message(self, text: str) -> None:
+        """Something happened that belongs into the log, such as the death of a worker."""
 
 
 CheckpointOf = Callable[[Task], Checkpoint | None]

@@ -42,7 +42,7 @@ class ClusterWatch:
         self._cluster = cluster
         self._refusals = refusals
         self._say = say
-        self._told: set[str] = set()
+        self._monitored: set[str] = set()
         self._since: float | None = None  # something is missing
         self._heard = time.monotonic()
         self._info: dict[str, Any] | None = None
@@ -96,8 +96,8 @@ class ClusterWatch:
             raise IncompleteError(
                 f"{missing}; gave up after {patience / 60:g} minutes (--patience)"
             )
-        if waited > SECONDS_TO_TELL and missing not in self._told:
-            self._told.add(missing)
+        if waited > SECONDS_TO_TELL and missing not in self._monitored:
+            self._monitored.add(missing)
             self._say(f"{missing}; the run waits {patience / 60:g} minutes for it (--patience)")
 
     def _missing(self, waits_for: str) -> str:

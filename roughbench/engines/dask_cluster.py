@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
-from roughbench.engines.base import CheckpointOf, Listener, Outcome, carry_out
+from roughbench.engines.base import CheckpointOf, Outcome, TaskListener, carry_out
 from roughbench.engines.cluster import Cluster
 from roughbench.engines.cluster_watch import ClusterWatch, within
 from roughbench.engines.slurm import INSTALL, LOOPBACK, jobs_of_slurm
@@ -54,7 +54,7 @@ def compute_on_cluster(
     cluster: Cluster,
     *,
     checkpoint_of: CheckpointOf,
-    listener: Listener,
+    listener: TaskListener,
     folder: Path,
 ) -> None:
     """Compute tasks on a cluster.
@@ -64,7 +64,7 @@ def compute_on_cluster(
     tasks : sequence of Task
     cluster : Cluster
     checkpoint_of : callable
-    listener : Listener
+    listener : TaskListener
     folder : Path
         Where jobs of Slurm find what they need.
 
@@ -80,7 +80,7 @@ def compute_on_cluster(
     if not tasks:
         return
     with _client(cluster, tasks, folder, listener) as (client, refusals):
-        watch = ClusterWatch(client, cluster, refusals, listener.said)
+        watch = ClusterWatch(client, cluster, refusals, listener.on_message)
         try:
             limited = _check_workers(client, tasks, cluster, watch)
             _compute(client, tasks, limited, watch, checkpoint_of, listener)
@@ -94,7 +94,7 @@ def _compute(
     limited: bool,  # noqa: FBT001  (whether workers declare their memory)
     watch: ClusterWatch,
     checkpoint_of: CheckpointOf,
-    listener: Listener,
+    listener: TaskListener,
 ) -> None:
     events: queue.SimpleQueue[tuple[int, Future[Any] | int | str]] = queue.SimpleQueue()
     topic = f"roughbench-{os.getpid()}-{next(_numbers)}"
@@ -134,7 +134,7 @@ def _listen(
     tasks: Sequence[Task],
     events: queue.SimpleQueue[Any],
     watch: ClusterWatch,
-    listener: Listener,
+    listener: TaskListener,
 ) -> None:
     left = set(range(len(tasks)))
     while left:
@@ -150,13 +150,13 @@ def _listen(
         if number not in left:
             continue
         if content == _COMPILING:
-            listener.compiling()
+            listener.on_compiling()
             continue
         if isinstance(content, int):
-            listener.advanced(tasks[number], content)
+            listener.on_progress(tasks[number], content)
             continue
         left.discard(number)
-        listener.ended(tasks[number], _outcome(content, tasks[number], watch))
+        listener.on_end(tasks[number], _outcome(content, tasks[number], watch))
         content.release()
 
 
@@ -185,7 +185,7 @@ def _outcome(future: Future[Any], task: Task, watch: ClusterWatch) -> Outcome:
 
 @contextlib.contextmanager
 def _client(
-    cluster: Cluster, tasks: Sequence[Task], folder: Path, listener: Listener
+    cluster: Cluster, tasks: Sequence[Task], folder: Path, listener: TaskListener
 ) -> Iterator[tuple[Client, list[str]]]:
     """Yield a client, and what Slurm says against jobs."""
     try:
@@ -211,10 +211,10 @@ def _client(
             )
             if cluster.dashboard:
                 port = urlsplit(where.dashboard_link).port
-                listener.said(f"Dask's dashboard: http://{LOOPBACK}:{port}/status")
+                listener.on_message(f"Dask's dashboard: http://{LOOPBACK}:{port}/status")
         else:
             where = cluster.address()
-            _knock(where, cluster)
+            _ask_identity(where, cluster)
         try:
             client = Client(where, set_as_default=False, timeout=SECONDS_FOR_SCHEDULER)
         except (OSError, ValueError, TimeoutError) as error:
@@ -226,7 +226,7 @@ def _client(
                 client.close(timeout=_SECONDS_TO_CLOSE)
 
 
-def _knock(address: str, cluster: Cluster) -> None:
+def _ask_identity(address: str, cluster: Cluster) -> None:
     """Ask the scheduler who it is; a client that gets no answer takes a minute to say so.
 
     Raises

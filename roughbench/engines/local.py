@@ -21,10 +21,10 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Any
 
-from roughbench.engines.base import CheckpointOf, Listener, Outcome, carry_out
+from roughbench.engines.base import CheckpointOf, Outcome, TaskListener, carry_out
 from roughbench.errors import RoughbenchError
 from roughbench.planning.plan import Task
-from roughbench.planning.resources import Sharing, memory_of
+from roughbench.planning.resources import ResourceLimits, memory_of
 from roughbench.rundir.checkpoint import Checkpoint
 from roughbench.signals import SIGNALS, signals_held_back
 
@@ -33,7 +33,7 @@ ATTEMPTS = 3
 
 _WORKER = "roughbench worker"
 _NO_GUARD = 88
-"""Exit code of a worker that was told to run what had started it."""
+"""Exit code of a worker that was message to run what had started it."""
 _NEEDS_GUARD = (
     "worker processes import the script that calls run, and it calls run again there; put the "
     "call under the guard if __name__ == '__main__', or say jobs=1"
@@ -51,25 +51,25 @@ def refuse_in_a_new_worker() -> None:
 
 
 def compute_here(
-    tasks: Sequence[Task], *, checkpoint_of: CheckpointOf, listener: Listener
+    tasks: Sequence[Task], *, checkpoint_of: CheckpointOf, listener: TaskListener
 ) -> None:
     """Compute tasks one after the other in this process."""
     for task in tasks:
 
         def advanced(done: int, task: Task = task) -> None:
-            listener.advanced(task, done)
+            listener.on_progress(task, done)
 
-        outcome = carry_out(task, checkpoint_of(task), advanced, listener.compiling)
-        listener.ended(task, outcome)
+        outcome = carry_out(task, checkpoint_of(task), advanced, listener.on_compiling)
+        listener.on_end(task, outcome)
 
 
 def compute_in_workers(
     tasks: Sequence[Task],
     *,
     processes: int,
-    sharing: Sharing,
+    limits: ResourceLimits,
     checkpoint_of: CheckpointOf,
-    listener: Listener,
+    listener: TaskListener,
 ) -> None:
     """Compute tasks in worker processes, the longest first.
 
@@ -85,51 +85,51 @@ def compute_in_workers(
     waiting = sorted(tasks, key=lambda task: -task.work * task.n_states)
     attempts: dict[Task, int] = {}
     alone: set[Task] = set()
-    with _crew() as crew:
+    with _worker_pool() as pool:
         free = True  # whether something may have become free since the last look
-        while waiting or crew.busy:
+        while waiting or pool.busy:
             for next_one in list(waiting) if free else ():
-                if len(crew.busy) == processes:
+                if len(pool.busy) == processes:
                     break
-                if _fits(next_one, crew, sharing, alone):
+                if _fits(next_one, pool, limits, alone):
                     waiting.remove(next_one)
                     attempts[next_one] = attempts.get(next_one, 0) + 1
-                    crew.give(next_one, checkpoint_of(next_one))
+                    pool.assign(next_one, checkpoint_of(next_one))
             free = False
-            for worker in crew.heard():
+            for worker in pool.ready_workers():
                 task = worker.task
                 try:
                     kind, content = worker.pipe.recv()
                 except (EOFError, OSError, pickle.UnpicklingError):
-                    death = crew.bury(worker)
+                    death = pool.remove_dead(worker)
                     free = True
                     if task is not None and attempts[task] < ATTEMPTS:
-                        listener.said(f"{task}: its worker {death}; trying again")
-                        listener.advanced(task, 0)
+                        listener.on_message(f"{task}: its worker {death}; trying again")
+                        listener.on_progress(task, 0)
                         waiting.insert(0, task)
                         alone.add(task)
                     elif task is not None:
-                        listener.ended(task, Outcome(error=_given_up(task, death)))
+                        listener.on_end(task, Outcome(error=_given_up(task, death)))
                     continue
                 if kind == "advanced" and task is not None:
-                    listener.advanced(task, content)
+                    listener.on_progress(task, content)
                 elif kind == "compiling":
-                    listener.compiling()
+                    listener.on_compiling()
                 elif kind == "ended" and task is not None:
                     worker.task = None
                     free = True
-                    listener.ended(task, content)
+                    listener.on_end(task, content)
 
 
-def _fits(task: Task, crew: _Crew, sharing: Sharing, alone: set[Task]) -> bool:
-    running = [worker.task for worker in crew.workers if worker.task is not None]
+def _fits(task: Task, pool: WorkerPool, limits: ResourceLimits, alone: set[Task]) -> bool:
+    running = [worker.task for worker in pool.workers if worker.task is not None]
     if not running:
         return True
     if task in alone or not alone.isdisjoint(running):
         return False
-    if task.threads + sum(other.threads for other in running) > sharing.most_threads:
+    if task.threads + sum(other.threads for other in running) > limits.most_threads:
         return False
-    return memory_of(task) + sum(memory_of(other) for other in running) <= sharing.memory
+    return memory_of(task) + sum(memory_of(other) for other in running) <= limits.memory
 
 
 def _given_up(task: Task, death: str) -> RoughbenchError:
@@ -151,7 +151,7 @@ class _Worker:
     ready: bool = False
 
 
-class _Crew:
+class WorkerPool:
     """Workers, started when there is something to do for them."""
 
     def __init__(self) -> None:
@@ -163,17 +163,18 @@ class _Crew:
 
     @property
     def busy(self) -> list[_Worker]:
+        """Workers with a task."""
         return [worker for worker in self.workers if worker.task is not None]
 
-    def give(self, task: Task, checkpoint: Checkpoint | None) -> None:
+    def assign(self, task: Task, checkpoint: Checkpoint | None) -> None:
         """Have an idle worker compute a task, or a new one."""
         idle = [worker for worker in self.workers if worker.task is None]
-        worker = idle[0] if idle else self._hire()
+        worker = idle[0] if idle else self._start_worker()
         worker.task = task
         with contextlib.suppress(OSError):  # dead: noticed when it is listened to
             worker.pipe.send((task, checkpoint))
 
-    def _hire(self) -> _Worker:
+    def _start_worker(self) -> _Worker:
         for _ in range(ATTEMPTS):
             pipe, theirs = self._context.Pipe()
             process = self._context.Process(
@@ -187,7 +188,7 @@ class _Crew:
                 return worker
         raise RoughbenchError("worker processes die before they start; see the system's log")
 
-    def heard(self) -> Iterator[_Worker]:
+    def ready_workers(self) -> Iterator[_Worker]:
         """Yield the workers that have something to say, or are dead; waits for one."""
         by_pipe = {worker.pipe: worker for worker in self.workers}
         for pipe in wait(list(by_pipe)):
@@ -199,7 +200,7 @@ class _Crew:
                     continue
             yield worker
 
-    def bury(self, worker: _Worker) -> str:
+    def remove_dead(self, worker: _Worker) -> str:
         """Take a dead worker out; returns how it died."""
         self.workers.remove(worker)
         worker.process.kill()  # if it only closed its pipe
@@ -227,13 +228,13 @@ class _Crew:
 
 
 @contextlib.contextmanager
-def _crew() -> Iterator[_Crew]:
-    crew = _Crew()
+def _worker_pool() -> Iterator[WorkerPool]:
+    pool = WorkerPool()
     try:
-        yield crew
+        yield pool
     finally:
         with signals_held_back():
-            crew.close()
+            pool.close()
 
 
 # -- workers, from inside ----------------------------------------------------------------

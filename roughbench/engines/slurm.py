@@ -89,7 +89,9 @@ def jobs_of_slurm(
     }
     with _certificate(Path(place).expanduser()) as security, dask.config.set(pages):
         made = cluster_class(
-            **options, security=security, job_cls=_telling(cluster_class.job_cls, refusals)
+            **options,
+            security=security,
+            job_cls=_noting_refusals(cluster_class.job_cls, refusals),
         )
         with made as found:
             found.adapt(minimum=1, maximum=min(cluster.workers, most))
@@ -125,7 +127,7 @@ def _certificate(folder: Path) -> Iterator[Security]:
         yield security
 
 
-def _telling(job_class: Any, refusals: list[str]) -> Any:
+def _noting_refusals(job_class: Any, refusals: list[str]) -> Any:
     """Return a class of jobs that notes why they were not submitted; Dask only tries again."""
     from distributed.core import Status
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 from roughbench.errors import RoughbenchError
 from roughbench.inputs import BYTES_PER_POINT
-from roughbench.memory import gigabytes, room
+from roughbench.memory import available_memory, gigabytes
 from roughbench.models.halfspace import HalfSpace
 from roughbench.models.halfspace.memory import needed
 from roughbench.models.line import Line
@@ -34,7 +34,7 @@ _UNITS = {"": 1, "K": 2**10, "M": 2**20, "G": 2**30, "T": 2**40}
 
 
 @dataclass(frozen=True, slots=True)
-class Sharing:
+class ResourceLimits:
     """What a run may take.
 
     Attributes
@@ -71,7 +71,7 @@ class Sharing:
 
     @property
     def most_threads(self) -> int:
-        """Threads that all tasks together may have: the cores, unless told to take more."""
+        """Threads that all tasks together may have: the cores, unless message to take more."""
         return max(self.cores, (self.jobs or 1) * (self.given_threads or 1))
 
     @property
@@ -97,9 +97,9 @@ class Sharing:
         return max(1, min(self.cores // threads, len(tasks)))
 
 
-def sharing(
+def resource_limits(
     jobs: int | None = None, threads: int | None = None, max_memory: int | str | None = None
-) -> Sharing:
+) -> ResourceLimits:
     """Return what a run may take on this machine.
 
     Parameters
@@ -117,14 +117,14 @@ def sharing(
         if value is not None and value < 1:
             raise RoughbenchError(f"{name} must be at least 1, got {value}")
     if max_memory is not None:
-        return Sharing(jobs, threads, in_bytes(max_memory), available_cores())
-    here = room()
+        return ResourceLimits(jobs, threads, in_bytes(max_memory), available_cores())
+    here = available_memory()
     if here is None:
-        return Sharing(jobs, threads, 2**62, available_cores())
+        return ResourceLimits(jobs, threads, 2**62, available_cores())
     # The rest is for what holds the run together, and assembles its results.
     memory = int(_FRACTION * here.size)
     limit = f"{_FRACTION:.0%} of what there is: {here}"
-    return Sharing(jobs, threads, memory, available_cores(), limit)
+    return ResourceLimits(jobs, threads, memory, available_cores(), limit)
 
 
 def in_bytes(text: int | str) -> int:
@@ -176,7 +176,7 @@ def assembly_memory(cell: Cell) -> int:
     return _PROCESS + fields + of_a_shard + 2 * cell.n_states * per_state
 
 
-def check_memory(tasks: Sequence[Task], limits: Sharing) -> None:
+def check_memory(tasks: Sequence[Task], limits: ResourceLimits) -> None:
     """Refuse tasks that would never get the memory they need, or their results.
 
     Raises
@@ -202,10 +202,10 @@ def check_memory(tasks: Sequence[Task], limits: Sharing) -> None:
             )
 
 
-def _remedies(task: Task, limits: Sharing) -> Iterator[str]:
+def _remedies(task: Task, limits: ResourceLimits) -> Iterator[str]:
     """Yield what would make room for a task."""
     cell = task.cell
-    here = room()
+    here = available_memory()
     if here is None or memory_of(task) <= here.size:
         yield "allow more with --max-memory"
     if isinstance(cell.model, HalfSpace | Line) and cell.model.precision == "double":

@@ -93,7 +93,7 @@ class RunFolder:
             self._write_holder(file, command)
             for folder in (self._shards, self._checkpoints):
                 folder.mkdir(exist_ok=True)
-            with contextlib.suppress(FileNotFoundError):  # too long a path is told now
+            with contextlib.suppress(FileNotFoundError):  # too long a path is message now
                 temporary_of(self._shards / ("0" * 20) / f"000000-000000.{'0' * 16}.npz").stat()
         except OSError as error:
             raise StoreError(

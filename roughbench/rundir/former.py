@@ -12,7 +12,7 @@ _MOST_COMPARED = 50
 """Identities to compare one with that has no obvious predecessor: it is for words only."""
 
 
-class Former:
+class FormerIdentities:
     """The identities of shards that no cell uses, each read once.
 
     Parameters

@@ -14,13 +14,13 @@ from roughbench.planning.samples import make_sample
 from roughbench.rundir.folder import folder_of
 from roughbench.runner.driver import preview, run, run_to_file
 from roughbench.runner.inspection import Account, State, accounts, clean, status, verify
-from roughbench.runner.overview import Part
+from roughbench.runner.overview import PlanRow
 from roughbench.runner.progress import Progress, Report
 
 __all__ = [
     "Account",
     "Cluster",
-    "Part",
+    "PlanRow",
     "Progress",
     "Report",
     "State",

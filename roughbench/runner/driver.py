@@ -5,12 +5,10 @@ from __future__ import annotations
 import contextlib
 import functools
 import os
-import shlex
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from roughbench.engines.base import Outcome
 from roughbench.engines.cluster import Cluster
 from roughbench.engines.dask_cluster import compute_on_cluster
 from roughbench.engines.local import (
@@ -18,22 +16,22 @@ from roughbench.engines.local import (
     compute_in_workers,
     refuse_in_a_new_worker,
 )
-from roughbench.errors import IncompleteError, RoughbenchError, StoreError
+from roughbench.errors import StoreError
 from roughbench.outputs import Kind, check_output
 from roughbench.planning.plan import Cell, Task, check, plan
-from roughbench.planning.resources import Sharing, check_memory, sharing
+from roughbench.planning.resources import ResourceLimits, check_memory, resource_limits
 from roughbench.publish import make_folder, put, refusals_named
 from roughbench.results import MadeWhenAsked, ModelResult, Results
-from roughbench.rundir.checkpoint import Checkpoint
 from roughbench.rundir.folder import RunFolder
-from roughbench.rundir.journal import LOG, log, log_task, logged_to
+from roughbench.rundir.journal import LOG, log, logged_to
 from roughbench.runner.assemble import assemble
 from roughbench.runner.bar import reported
-from roughbench.runner.overview import Part, overview
-from roughbench.runner.progress import COMPILING, Progress, Report
+from roughbench.runner.monitor import RunMonitor, monitored
+from roughbench.runner.overview import PlanRow, overview
+from roughbench.runner.progress import Report
 from roughbench.runner.provenance import inputs_of, provenance, spent
-from roughbench.runner.scan import Stock, survey
-from roughbench.runner.selection import label_of, select
+from roughbench.runner.scan import CellState, scan
+from roughbench.runner.selection import select
 from roughbench.runner.speed import Speeds
 from roughbench.seal import sha256_of
 from roughbench.spec import FileSurface, Source, Spec, load_spec
@@ -204,24 +202,24 @@ def _run(
             logs.append(folder.log)
         with (
             logged_to(logs),
-            _told(folder, command) as desk,
+            monitored(folder, command) as monitor,
             reported(progress) as report,
         ):
             if folder is not None and changed:
                 log.warning("%s", changed)
-            stocks = _take_stock(cells, limits, folder, force=force)
+            cell_states = _scan(cells, limits, folder, force=force)
             if folder is not None:
-                folder.write_request(_request(resolved, stocks, command))
-            tasks = select(stocks, only, parts=limits.parts)
-            desk.open(stocks, tasks, report, keep_going=keep_going)
-            _compute(tasks, limits, cluster, desk, folder)
-            desk.finish()
+                folder.write_request(_request(resolved, cell_states, command))
+            tasks = select(cell_states, only, parts=limits.parts)
+            monitor.open(cell_states, tasks, report, keep_going=keep_going)
+            _compute(tasks, limits, cluster, monitor, folder)
+            monitor.finish()
             if folder is not None:
-                _publish(folder, resolved, stocks, command)
+                _publish(folder, resolved, cell_states, command)
                 if not returned:
                     return Results({}, resolved.text, resolved.sha256, resolved.name)
                 return load(folder.results)  # before another run may replace it
-            return _results(resolved, stocks)
+            return _results(resolved, cell_states)
 
 
 def preview(
@@ -236,7 +234,7 @@ def preview(
     max_memory: int | str | None = None,
     cluster: Cluster | None = None,
     measuring: Callable[[str], None] | None = None,
-) -> list[Part]:
+) -> list[PlanRow]:
     """Return what :func:`run` would compute, and why, without computing or writing any of it.
 
     Parameters
@@ -245,11 +243,11 @@ def preview(
         As for :func:`run`.
     measuring : callable, optional
         Measure how fast this machine is for models that were never measured, in some
-        seconds, and keep it in the cache folder; told so. Default: by a formula.
+        seconds, and keep it in the cache folder; message so. Default: by a formula.
 
     Returns
     -------
-    list of Part
+    list of PlanRow
 
     Raises
     ------
@@ -264,22 +262,22 @@ def preview(
     folder = RunFolder(output) if output is not None else None
     if folder is not None:
         _check_former(folder, resolved, force=force)
-    stocks = survey(cells, limits, folder, force=force)
-    tasks = select(stocks, only, parts=limits.parts)
+    cell_states = scan(cells, limits, folder, force=force)
+    tasks = select(cell_states, only, parts=limits.parts)
     if cluster is None:
         check_memory(tasks, limits)
     speeds = Speeds()
     if measuring is not None:
         speeds.measure([task.cell.model for task in tasks], measuring)
-    return overview(stocks, tasks, folder, speeds)
+    return overview(cell_states, tasks, folder, speeds)
 
 
 def _limits(
     jobs: int | None, threads: int | None, max_memory: int | str | None, cluster: Cluster | None
-) -> Sharing:
+) -> ResourceLimits:
     if cluster is not None:  # the cores of this machine mean nothing there
-        return sharing(None, threads or 1, max_memory)
-    return sharing(jobs, threads, max_memory)
+        return resource_limits(None, threads or 1, max_memory)
+    return resource_limits(jobs, threads, max_memory)
 
 
 def _check_files(
@@ -321,26 +319,26 @@ def _check_former(folder: RunFolder, spec: Spec, *, force: bool) -> str:
     )
 
 
-def _take_stock(
-    cells: Sequence[Cell], limits: Sharing, folder: RunFolder | None, *, force: bool
-) -> list[Stock]:
-    stocks = survey(cells, limits, folder, force=force)
+def _scan(
+    cells: Sequence[Cell], limits: ResourceLimits, folder: RunFolder | None, *, force: bool
+) -> list[CellState]:
+    cell_states = scan(cells, limits, folder, force=force)
     if folder is not None:
-        for stock in stocks:
-            for error in stock.damaged:
+        for cell_state in cell_states:
+            for error in cell_state.damaged:
                 log.warning("%s; set aside, to be computed again", error)
                 folder.set_aside(error.path)
             if force:
-                folder.forget(stock.key)
-            folder.drop_checkpoints(stock.key, stock.shards)
-    return stocks
+                folder.forget(cell_state.key)
+            folder.drop_checkpoints(cell_state.key, cell_state.shards)
+    return cell_states
 
 
 def _compute(
     tasks: Sequence[Task],
-    limits: Sharing,
+    limits: ResourceLimits,
     cluster: Cluster | None,
-    desk: _Desk,
+    monitor: RunMonitor,
     folder: RunFolder | None,
 ) -> None:
     if cluster is not None:
@@ -348,8 +346,8 @@ def _compute(
         compute_on_cluster(
             tasks,
             cluster,
-            checkpoint_of=desk.checkpoint,
-            listener=desk,
+            checkpoint_of=monitor.checkpoint,
+            listener=monitor,
             folder=folder.path if folder is not None else Path.cwd(),
         )
         return
@@ -357,23 +355,23 @@ def _compute(
     processes = limits.processes(tasks)
     log.info("%d tasks to compute, in %d processes", len(tasks), processes)
     if processes == 1:
-        compute_here(tasks, checkpoint_of=desk.checkpoint, listener=desk)
+        compute_here(tasks, checkpoint_of=monitor.checkpoint, listener=monitor)
         return
     compute_in_workers(
         tasks,
         processes=processes,
-        sharing=limits,
-        checkpoint_of=desk.checkpoint,
-        listener=desk,
+        limits=limits,
+        checkpoint_of=monitor.checkpoint,
+        listener=monitor,
     )
 
 
-def _results(spec: Spec, stocks: Sequence[Stock], *, kept: bool = True) -> Results:
+def _results(spec: Spec, cell_states: Sequence[CellState], *, kept: bool = True) -> Results:
     """Return the results; those of each model are made when asked for, unless ``kept``."""
     experiments: dict[str, dict[str, Callable[[], ModelResult]]] = {}
-    for stock in stocks:
-        models = experiments.setdefault(stock.cell.experiment, {})
-        models[stock.cell.model.name] = functools.partial(_result, stock)
+    for cell_state in cell_states:
+        models = experiments.setdefault(cell_state.cell.experiment, {})
+        models[cell_state.cell.model.name] = functools.partial(_result, cell_state)
     made = {name: MadeWhenAsked(models) for name, models in experiments.items()}
     return Results(
         {name: dict(models) for name, models in made.items()} if kept else made,
@@ -383,228 +381,49 @@ def _results(spec: Spec, stocks: Sequence[Stock], *, kept: bool = True) -> Resul
     )
 
 
-def _result(stock: Stock) -> ModelResult:
-    result = assemble(stock.cell, stock.collect())
-    stock.blocks.clear()  # they are in the result now
-    total = spent(stock.usages)
+def _result(cell_state: CellState) -> ModelResult:
+    result = assemble(cell_state.cell, cell_state.collect())
+    cell_state.blocks.clear()  # they are in the result now
+    total = spent(cell_state.usages)
     log.debug(
         "%s: %d tasks, %.1f s, peak memory %.2f GB, %d of %d states not converged",
-        stock.cell,
+        cell_state.cell,
         total["tasks"],
         total["seconds"],
         total["peak_memory"] / 1e9,
-        stock.n_unconverged,
-        stock.cell.n_states,
+        cell_state.n_unconverged,
+        cell_state.cell.n_states,
     )
     return result
 
 
-def _publish(folder: RunFolder, spec: Spec, stocks: Sequence[Stock], command: str) -> None:
+def _publish(
+    folder: RunFolder, spec: Spec, cell_states: Sequence[CellState], command: str
+) -> None:
     """Write the results file, unless it is what these shards have made before."""
-    inputs = inputs_of(spec, stocks)
+    inputs = inputs_of(spec, cell_states)
     if folder.provenance().get("inputs_sha256") == inputs and folder.has_its_results():
         log.info("%s is up to date", folder.results)
         return
-    results = _results(spec, stocks, kept=False)
+    results = _results(spec, cell_states, kept=False)
     target = check_output(folder.results, _kind(folder))
     with refusals_named(folder.results), written_results(results, target) as temporary:
         sha256 = sha256_of(temporary)
         same = target.is_file() and sha256_of(target) == sha256
-        folder.write_provenance(provenance(sha256, inputs, spec, stocks, command))
+        folder.write_provenance(provenance(sha256, inputs, spec, cell_states, command))
         if not same:
             check_output(target, _kind(folder))  # again: it took a while
             put(temporary, target)
     log.info("%s is up to date" if same else "wrote %s", folder.results)
 
 
-def _request(spec: Spec, stocks: Sequence[Stock], command: str) -> dict[str, object]:
+def _request(spec: Spec, cell_states: Sequence[CellState], command: str) -> dict[str, object]:
     return {
         "spec": spec.text,
         "name": spec.name,
         "folder": str(spec.folder.absolute()),
         "spec_sha256": spec.sha256,
         "command": command,
-        "threads": {str(stock.cell): stock.threads for stock in stocks},
-        "keys": sorted({stock.key for stock in stocks}),
+        "threads": {str(cell_state.cell): cell_state.threads for cell_state in cell_states},
+        "keys": sorted({cell_state.key for cell_state in cell_states}),
     }
-
-
-# -- while it runs -------------------------------------------------------------------------
-
-
-class _Desk:
-    """Where finished tasks go: into their stock, on disk, into log and progress."""
-
-    def __init__(self, folder: RunFolder | None, command: str) -> None:
-        self._folder = folder
-        self._command = command
-        self._stocks: dict[tuple[str, str], Stock] = {}
-        self._tasks: Sequence[Task] = ()
-        self._failed: dict[Task, Outcome] = {}
-        self._keep_going = False
-        self._count: Callable[[Task | None, int], None] = lambda _task, _done: None
-
-    def open(
-        self,
-        stocks: Sequence[Stock],
-        tasks: Sequence[Task],
-        progress: Report | None,
-        *,
-        keep_going: bool,
-    ) -> None:
-        self._stocks = {_place(stock.cell): stock for stock in stocks}
-        self._tasks = tasks
-        self._keep_going = keep_going
-        self._count = _counter(stocks, progress)
-
-    def checkpoint(self, task: Task) -> Checkpoint | None:
-        if self._folder is None or len(task.realizations) > 1:
-            return None
-        return self._folder.checkpoint(task, self._stocks[_place(task.cell)].key)
-
-    def advanced(self, task: Task, done: int) -> None:
-        self._count(task, done)
-
-    def compiling(self) -> None:
-        self._count(None, 0)
-
-    def said(self, text: str) -> None:
-        log.warning(text)
-
-    def ended(self, task: Task, outcome: Outcome) -> None:
-        if outcome.block is None or outcome.usage is None:
-            self._failed[task] = outcome
-            log.info("failed: %s", outcome.error)
-            log.debug("%s", outcome.trace)
-            if not self._keep_going:
-                self._raise(task, outcome)
-            return
-        stock = self._stocks[_place(task.cell)]
-        if self._folder is None:
-            stock.add_block(task, outcome.block, outcome.usage.as_dict())
-        else:
-            try:
-                shard = self._folder.write(task, outcome.block, stock.identity, outcome.usage)
-            except StoreError as error:
-                raise IncompleteError(f"{error}; {task} is lost") from error
-            checkpoint = self.checkpoint(task)
-            if checkpoint is not None:
-                checkpoint.remove()
-            stock.add(shard)
-        log_task(task, outcome.block, outcome.usage)
-        self._count(task, task.n_states)
-
-    def finish(self) -> None:
-        """Raise unless everything is there.
-
-        Raises
-        ------
-        RoughbenchError
-            If tasks failed.
-        IncompleteError
-            If tasks were left out.
-        """
-        if len(self._failed) == 1:
-            self._raise(*next(iter(self._failed.items())))
-        if self._failed:
-            lines = [f"{len(self._failed)} tasks failed:"]
-            for task, outcome in self._failed.items():
-                lines += [str(outcome.error), *self._rerun(task)]
-            raise RoughbenchError("\n".join(lines))
-        if not all(stock.coverage.complete for stock in self._stocks.values()):
-            raise IncompleteError("the results file is not written yet: not all is computed")
-
-    def _raise(self, task: Task, outcome: Outcome) -> None:
-        error = outcome.error or RoughbenchError(f"{task}: ended without a result")
-        for line in self._rerun(task):
-            error.add_note(line)
-        if isinstance(error, RoughbenchError):
-            raise error
-        raise error from _Elsewhere(outcome.trace)
-
-    def _rerun(self, task: Task) -> list[str]:
-        if not self._command:
-            return []
-        name = shlex.quote(label_of(task))
-        options = f"--only {name} -j 1 --threads {task.threads}"
-        return [f"rerun it alone: {self._command} {options}"]
-
-    def kept(self) -> str:
-        """Say what an end at this moment leaves, and how to go on."""
-        known = sum(stock.n_known for stock in self._stocks.values())
-        total = sum(stock.cell.n_states for stock in self._stocks.values())
-        if self._folder is None or total == 0:
-            return ""
-        for task in self._tasks:  # those that are finished have none any more
-            checkpoint = self.checkpoint(task)
-            known += checkpoint.done() if checkpoint is not None else 0
-        if known == 0 or not self._folder.path.is_dir():
-            return f"run it again: {self._command}" if self._command else ""
-        text = f"{known} of {total} states are kept in {self._folder.path}"
-        return text + (f"; resume: {self._command}" if self._command else "")
-
-
-class _Elsewhere(Exception):  # noqa: N818
-    """The traceback of an error in another process."""
-
-
-def _place(cell: Cell) -> tuple[str, str]:
-    return cell.experiment, cell.model.name
-
-
-@contextlib.contextmanager
-def _told(folder: RunFolder | None, command: str) -> Iterator[_Desk]:
-    """Yield the desk of a run; an end before its end says what is kept."""
-    desk = _Desk(folder, command)
-    log.info("run: %s", command or "a Python script")
-    try:
-        try:
-            yield desk
-        except StoreError as error:
-            raise IncompleteError(str(error)) from error
-    except BaseException as error:
-        kept = desk.kept()
-        if isinstance(error, KeyboardInterrupt | RoughbenchError | MemoryError) and kept:
-            error.add_note(kept)
-        log.debug("ended by %s: %s; %s", type(error).__name__, error, kept)
-        raise
-
-
-def _counter(
-    stocks: Sequence[Stock], progress: Report | None
-) -> Callable[[Task | None, int], None]:
-    """Return a callable that adds up finished states and tells ``progress``.
-
-    Without a task it tells that loops are compiled.
-    """
-    total = sum(stock.cell.n_states for stock in stocks)
-    speeds = Speeds()
-    works = {
-        _place(stock.cell): speeds.slowness(stock.cell.model)
-        * stock.cell.work
-        / len(stock.cell.pressures)
-        for stock in stocks
-    }
-    all_work = sum(works[_place(stock.cell)] * stock.cell.n_states for stock in stocks)
-    done = sum(stock.n_known for stock in stocks)
-    work = sum(works[_place(s.cell)] * s.n_known for s in stocks)
-    done_of: dict[Task, int] = {}
-    if progress is not None:
-        share = 1.0 if done == total else work / all_work
-        progress(Progress(done, total, share, "starting"))
-
-    def advanced(task: Task | None, done_here: int) -> None:
-        nonlocal done, work
-        if task is None:
-            if progress is not None:
-                progress(Progress(done, total, min(1.0, work / all_work), COMPILING))
-            return
-        n_states = done_here - done_of.get(task, 0)
-        done_of[task] = done_here
-        done += n_states
-        work += n_states * works[_place(task.cell)]
-        share = 1.0 if done == total else min(1.0, work / all_work)
-        if progress is not None and n_states:
-            progress(Progress(done, total, share, task.place(max(1, done_here))))
-
-    return advanced

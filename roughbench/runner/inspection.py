@@ -11,13 +11,13 @@ from typing import Any
 
 from roughbench.errors import RoughbenchError, StoreError
 from roughbench.planning.plan import check, plan
-from roughbench.planning.resources import Sharing, sharing
+from roughbench.planning.resources import ResourceLimits, resource_limits
 from roughbench.program import command, program
 from roughbench.rundir.folder import SUFFIX, RunFolder
 from roughbench.rundir.mark import check_marked
 from roughbench.rundir.shards import ShardError
-from roughbench.runner.overview import Part, overview
-from roughbench.runner.scan import Stock, survey
+from roughbench.runner.overview import PlanRow, overview
+from roughbench.runner.scan import CellState, scan
 from roughbench.runner.selection import select
 from roughbench.spec import Spec, load_spec, parse_spec
 from roughbench.store import opened, whose
@@ -39,7 +39,7 @@ class State:
         The last run.
     states, done : int
         How many states there are in all, and how many of them are done.
-    parts : list of Part
+    parts : list of PlanRow
     note : str
         What is wrong with the results file, though all is done; else empty.
     """
@@ -50,7 +50,7 @@ class State:
     command: str
     states: int
     done: int
-    parts: list[Part]
+    parts: list[PlanRow]
     note: str = ""
 
     def as_dict(self) -> dict[str, Any]:
@@ -117,9 +117,9 @@ def status(path: str | os.PathLike[str]) -> State:
     """
     folder = find(path)
     request = folder.request()
-    limits, stocks = _stocks(folder, request)
+    limits, cell_states = _cell_states(folder, request)
     holder = folder.holder()
-    tasks = select(stocks, (), parts=limits.parts)
+    tasks = select(cell_states, (), parts=limits.parts)
     note = _fault_of_results(folder) if not tasks else ""
     complete = not tasks and not note
     return State(
@@ -127,9 +127,9 @@ def status(path: str | os.PathLike[str]) -> State:
         state="running" if holder else "complete" if complete else "incomplete",
         holder=holder,
         command=str(request.get("command", "")),
-        states=sum(stock.cell.n_states for stock in stocks),
-        done=sum(stock.n_known for stock in stocks),
-        parts=overview(stocks, tasks, folder),
+        states=sum(cell_state.cell.n_states for cell_state in cell_states),
+        done=sum(cell_state.n_known for cell_state in cell_states),
+        parts=overview(cell_states, tasks, folder),
         note=note,
     )
 
@@ -287,12 +287,14 @@ def accounts(results: str | os.PathLike[str]) -> list[Account]:
     ]
 
 
-def _stocks(folder: RunFolder, request: dict[str, Any]) -> tuple[Sharing, list[Stock]]:
+def _cell_states(
+    folder: RunFolder, request: dict[str, Any]
+) -> tuple[ResourceLimits, list[CellState]]:
     spec = _requested(folder, request)
     cells = plan(spec)
     check(cells)
-    limits = sharing(jobs=None)
-    return limits, survey(cells, limits, folder, threads=_threads(request))
+    limits = resource_limits(jobs=None)
+    return limits, scan(cells, limits, folder, threads=_threads(request))
 
 
 def _needed(folder: RunFolder) -> set[str]:

@@ -13,12 +13,12 @@ from roughbench.planning.plan import Cell, Task
 from roughbench.planning.resources import assembly_memory, memory_of
 from roughbench.rundir.folder import RunFolder
 from roughbench.rundir.shards import realizations_of
-from roughbench.runner.scan import Stock
+from roughbench.runner.scan import CellState
 from roughbench.runner.speed import Speeds
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class PlanRow:
     """Realizations of one model that stand alike.
 
     Attributes
@@ -68,16 +68,16 @@ class Part:
 
 
 def overview(
-    stocks: Sequence[Stock],
+    cell_states: Sequence[CellState],
     tasks: Sequence[Task],
     folder: RunFolder | None,
     speeds: Speeds | None = None,
-) -> list[Part]:
+) -> list[PlanRow]:
     """Return how the realizations of each model stand, those alike together.
 
     Parameters
     ----------
-    stocks : sequence of Stock
+    cell_states : sequence of CellState
     tasks : sequence of Task
         What is to be computed.
     folder : RunFolder or None
@@ -90,38 +90,40 @@ def overview(
     for task in tasks:
         planned.setdefault(task.cell, []).append(task)
     parts = []
-    for stock in stocks:
-        own = planned.get(stock.cell, [])
-        reasons = _reasons(stock, own, folder)
+    for cell_state in cell_states:
+        own = planned.get(cell_state.cell, [])
+        reasons = _reasons(cell_state, own, folder)
         start = 0
         for reason, group in groupby(reasons):
             stop = start + len(list(group))
-            parts.append(_part(stock, range(start, stop), reason, own, speeds))
+            parts.append(_part(cell_state, range(start, stop), reason, own, speeds))
             start = stop
     return parts
 
 
 def _part(
-    stock: Stock, rows: range, reason: str, tasks: Sequence[Task], speeds: Speeds
-) -> Part:
+    cell_state: CellState, rows: range, reason: str, tasks: Sequence[Task], speeds: Speeds
+) -> PlanRow:
     own = [task for task in tasks if task.realizations.start < rows.stop]
     own = [task for task in own if task.realizations.stop > rows.start]
-    return Part(
-        model=str(stock.cell),
+    return PlanRow(
+        model=str(cell_state.cell),
         first=rows.start + 1,
         last=rows.stop,
         reason=reason,
-        states=len(rows) * len(stock.cell.pressures),
-        done=int(np.count_nonzero(stock.coverage.known[rows.start : rows.stop])),
+        states=len(rows) * len(cell_state.cell.pressures),
+        done=int(np.count_nonzero(cell_state.coverage.known[rows.start : rows.stop])),
         tasks=len(own),
-        seconds=speeds.slowness(stock.cell.model)
+        seconds=speeds.slowness(cell_state.cell.model)
         * sum(1e-6 * task.work * task.n_states for task in own),
-        memory=max(*map(memory_of, own), assembly_memory(stock.cell)) if own else 0,
+        memory=max(*map(memory_of, own), assembly_memory(cell_state.cell)) if own else 0,
     )
 
 
-def _reasons(stock: Stock, tasks: Sequence[Task], folder: RunFolder | None) -> list[str]:
-    known = stock.coverage.known
+def _reasons(
+    cell_state: CellState, tasks: Sequence[Task], folder: RunFolder | None
+) -> list[str]:
+    known = cell_state.coverage.known
     n_pressures = known.shape[1]
     nothing = not known.any()
     reasons = []
@@ -132,14 +134,14 @@ def _reasons(stock: Stock, tasks: Sequence[Task], folder: RunFolder | None) -> l
         elif n:
             reasons.append(f"{n_pressures - n} of {n_pressures} pressures are new")
         else:
-            reasons.append(stock.reason if nothing else "new")
-    for error in stock.damaged:
+            reasons.append(cell_state.reason if nothing else "new")
+    for error in cell_state.damaged:
         for realization in realizations_of(error.path):
             if realization < len(reasons) and reasons[realization] != "done":
                 reasons[realization] = f"damaged: {error}"
     for task in tasks:
         if folder is not None and len(task.realizations) == 1:
-            done = folder.checkpoint(task, stock.key).done()
+            done = folder.checkpoint(task, cell_state.key).done()
             if done:
                 reasons[task.realizations[0]] = (
                     f"{done} of {len(task.pressures)} pressures done"

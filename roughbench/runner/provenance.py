@@ -10,12 +10,16 @@ from typing import Any
 
 from roughbench.rundir.identity import assembly_digest
 from roughbench.rundir.usage import machine, now
-from roughbench.runner.scan import Stock
+from roughbench.runner.scan import CellState
 from roughbench.spec import Spec
 
 
 def provenance(
-    results_sha256: str, inputs_sha256: str, spec: Spec, stocks: Sequence[Stock], command: str
+    results_sha256: str,
+    inputs_sha256: str,
+    spec: Spec,
+    cell_states: Sequence[CellState],
+    command: str,
 ) -> dict[str, Any]:
     """Return where a results file comes from: hashes, seeds, machines, versions, times.
 
@@ -26,7 +30,7 @@ def provenance(
     inputs_sha256 : str
         See :func:`inputs_of`.
     spec : Spec
-    stocks : sequence of Stock
+    cell_states : sequence of CellState
     command : str
 
     Returns
@@ -42,34 +46,34 @@ def provenance(
         "written": now(),
         "git_commit": _git_commit(),
         "machine": machine(),
-        "models": {str(stock.cell): _of_model(stock) for stock in stocks},
+        "models": {str(cell_state.cell): _of_model(cell_state) for cell_state in cell_states},
     }
 
 
-def inputs_of(spec: Spec, stocks: Sequence[Stock]) -> str:
+def inputs_of(spec: Spec, cell_states: Sequence[CellState]) -> str:
     """Return a digest of all that the bytes of a results file are made of.
 
     The spec and its name, the shards, which are named after their content, and the code
     that puts them together.
     """
     content = [spec.text, spec.name, spec.sha256, assembly_digest()]
-    for stock in stocks:
-        content += [str(stock.cell), stock.key]
-        content += sorted(shard.path.name for shard in stock.shards)
+    for cell_state in cell_states:
+        content += [str(cell_state.cell), cell_state.key]
+        content += sorted(shard.path.name for shard in cell_state.shards)
     return hashlib.sha256("\0".join(content).encode()).hexdigest()
 
 
-def _of_model(stock: Stock) -> dict[str, Any]:
+def _of_model(cell_state: CellState) -> dict[str, Any]:
     return {
-        "identity": dict(stock.identity),
-        "key": stock.key,
-        "seed": stock.cell.seed,
-        "threads": stock.threads,
-        "realizations": stock.cell.n_realizations,
-        "pressures": len(stock.cell.pressures),
-        "states": stock.cell.n_states,
-        "unconverged": stock.n_unconverged,
-    } | spent(stock.usages)
+        "identity": dict(cell_state.identity),
+        "key": cell_state.key,
+        "seed": cell_state.cell.seed,
+        "threads": cell_state.threads,
+        "realizations": cell_state.cell.n_realizations,
+        "pressures": len(cell_state.cell.pressures),
+        "states": cell_state.cell.n_states,
+        "unconverged": cell_state.n_unconverged,
+    } | spent(cell_state.usages)
 
 
 def spent(usages: Sequence[Mapping[str, Any]]) -> dict[str, Any]:

@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 
 from roughbench.planning.plan import Block, Cell, Task, cut
-from roughbench.planning.resources import Sharing
+from roughbench.planning.resources import ResourceLimits
 from roughbench.rundir.collected import Collected, Coverage, places_of
 from roughbench.rundir.folder import RunFolder
-from roughbench.rundir.former import Former
+from roughbench.rundir.former import FormerIdentities
 from roughbench.rundir.identity import Identity, identity, key_of
 from roughbench.rundir.shards import Shard, ShardError
 
 
 @dataclass(slots=True)
-class Stock:
+class CellState:
     """One cell, and what there is of it.
 
     Attributes
@@ -123,20 +123,20 @@ class Stock:
         ]
 
 
-def survey(
+def scan(
     cells: Sequence[Cell],
-    sharing: Sharing,
+    limits: ResourceLimits,
     folder: RunFolder | None,
     *,
     force: bool = False,
     threads: Mapping[str, int] | None = None,
-) -> list[Stock]:
+) -> list[CellState]:
     """Return what there is of each cell.
 
     Parameters
     ----------
     cells : sequence of Cell
-    sharing : Sharing
+    limits : ResourceLimits
         Says how many threads a task has.
     folder : RunFolder or None
         Where shards may be; None for nowhere. It is only read.
@@ -144,43 +144,45 @@ def survey(
         Take no shard for a result.
     threads : mapping of str to int, optional
         Threads of the tasks of each cell, by its name; default: those that its shards or
-        checkpoints were computed with, or as ``sharing`` says.
+        checkpoints were computed with, or as ``limits`` says.
 
     Returns
     -------
-    list of Stock
+    list of CellState
     """
     keys = set(folder.computations()) if folder is not None else set()
     kept = (keys, folder.unfinished()) if folder is not None else ()
     given = threads or {}
-    stocks = [_stock(cell, sharing, kept, given.get(str(cell))) for cell in cells]
+    cell_states = [_cell_state(cell, limits, kept, given.get(str(cell))) for cell in cells]
     if folder is None:
-        return stocks
-    others = Former(folder, keys.difference(stock.key for stock in stocks))
-    for stock in stocks:
-        if force and stock.key in keys:
-            stock.reason = "forced"
-        elif stock.key in keys:
-            _collect(stock, folder)
+        return cell_states
+    others = FormerIdentities(
+        folder, keys.difference(cell_state.key for cell_state in cell_states)
+    )
+    for cell_state in cell_states:
+        if force and cell_state.key in keys:
+            cell_state.reason = "forced"
+        elif cell_state.key in keys:
+            _collect(cell_state, folder)
         else:
-            stock.reason = others.what_changed(stock.identity)
-    return stocks
+            cell_state.reason = others.what_changed(cell_state.identity)
+    return cell_states
 
 
-def _stock(
-    cell: Cell, sharing: Sharing, kept: Sequence[Collection[str]], given: int | None
-) -> Stock:
-    """Resume with the threads that something was kept with, unless told otherwise."""
-    choices = sharing.choices(cell) if given is None else [given]
+def _cell_state(
+    cell: Cell, limits: ResourceLimits, kept: Sequence[Collection[str]], given: int | None
+) -> CellState:
+    """Resume with the threads that something was kept with, unless message otherwise."""
+    choices = limits.choices(cell) if given is None else [given]
     found = [(n, identity(cell, n)) for n in choices]
     there = (pair for keys in kept for pair in found if key_of(pair[1]) in keys)
     threads, its_identity = next(there, found[0])
-    return Stock(cell, threads, its_identity, key_of(its_identity), Coverage(cell))
+    return CellState(cell, threads, its_identity, key_of(its_identity), Coverage(cell))
 
 
-def _collect(stock: Stock, folder: RunFolder) -> None:
-    for path in folder.shards(stock.key):
+def _collect(cell_state: CellState, folder: RunFolder) -> None:
+    for path in folder.shards(cell_state.key):
         try:
-            stock.add(folder.read(path))
+            cell_state.add(folder.read(path))
         except ShardError as error:
-            stock.damaged.append(error)
+            cell_state.damaged.append(error)

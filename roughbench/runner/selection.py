@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from roughbench.errors import RoughbenchError
 from roughbench.planning.plan import Cell, Task
-from roughbench.runner.scan import Stock
+from roughbench.runner.scan import CellState
 from roughbench.text import on_one_line, suggestion
 
 
@@ -19,12 +19,12 @@ def label_of(task: Task) -> str:
     return f"{task.cell}:{first}" + (f"-{last}" if last > first else "")
 
 
-def select(stocks: Sequence[Stock], only: Sequence[str], *, parts: int) -> list[Task]:
+def select(cell_states: Sequence[CellState], only: Sequence[str], *, parts: int) -> list[Task]:
     """Return what is missing as tasks, or that part of it which ``only`` names.
 
     Parameters
     ----------
-    stocks : sequence of Stock
+    cell_states : sequence of CellState
     only : sequence of str
         ``main/bem``, ``main/bem:4`` or ``main/bem:4-7`` each; ``bem`` alone means that of
         every experiment. Empty: everything.
@@ -37,16 +37,16 @@ def select(stocks: Sequence[Stock], only: Sequence[str], *, parts: int) -> list[
         If a name means nothing in this plan; says what would.
     """
     if not only:
-        return [task for stock in stocks for task in stock.tasks(parts)]
+        return [task for cell_state in cell_states for task in cell_state.tasks(parts)]
     wanted: dict[Cell, set[int]] = {}
     for name in only:
-        for cell, realizations in _parse(name, [stock.cell for stock in stocks]):
+        for cell, realizations in _parse(name, [cell_state.cell for cell_state in cell_states]):
             wanted.setdefault(cell, set()).update(realizations)
     return [
         task
-        for stock in stocks
-        if stock.cell in wanted
-        for task in stock.tasks(parts, wanted[stock.cell])
+        for cell_state in cell_states
+        if cell_state.cell in wanted
+        for task in cell_state.tasks(parts, wanted[cell_state.cell])
     ]
 
 

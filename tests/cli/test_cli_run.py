@@ -115,10 +115,10 @@ def test_results_of_another_spec_are_replaced_by_force_only(
 
 def test_quiet_and_verbose(folder: Path, invoke: Invoke) -> None:
     assert invoke("run", "small.yaml", "-q").stderr == ""
-    told = invoke("run", "small.yaml", "-v", "--force").stderr
-    assert "2 tasks to compute, in 1 processes\n" in told
-    assert "main/foundation, realizations 1 to 20 of 20: done in " in told
-    assert "peak memory 0." in told
+    message = invoke("run", "small.yaml", "-v", "--force").stderr
+    assert "2 tasks to compute, in 1 processes\n" in message
+    assert "main/foundation, realizations 1 to 20 of 20: done in " in message
+    assert "peak memory 0." in message
     assert (folder / "small.h5").exists()
     log = (folder / "small.h5.rbrun" / "run.log").read_text()
     assert log.count("INFO main/foundation, realizations 1 to 20 of 20: done in ") == 2
@@ -179,7 +179,7 @@ def test_the_time_left_settles(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = [0.0]
     monkeypatch.setattr(time, "monotonic", lambda: clock[0])
     pace = cli_progress._Pace()
-    told = []
+    message = []
     for now, share, text in (
         (0.0, 0.2, "starting"),
         (1.0, 0.2, "compiling, once"),
@@ -192,8 +192,8 @@ def test_the_time_left_settles(monkeypatch: pytest.MonkeyPatch) -> None:
     ):
         clock[0] = now
         pace.note(Progress(0, 10, share, text))
-        told.append(pace.left())
-    assert told == ["", "", "", "", "", ", 2 min left", ", 1 min left", ", 40 s left"]
+        message.append(pace.left())
+    assert message == ["", "", "", "", "", ", 2 min left", ", 1 min left", ", 40 s left"]
     clock[0] = 150.0
     assert pace.left() == ", 20 s left"  # and no more than there was
     clock[0] = 200.0
@@ -212,7 +212,7 @@ def test_a_bar_on_a_terminal(folder: Path) -> None:
         env=environment,
     ) as process:
         os.close(inner)
-        told = b""
+        message = b""
         while True:
             try:
                 piece = os.read(outer, 65536)
@@ -220,10 +220,10 @@ def test_a_bar_on_a_terminal(folder: Path) -> None:
                 break
             if not piece:
                 break
-            told += piece
+            message += piece
     os.close(outer)
     assert process.returncode == 0
-    assert b"/63 states: main/foundation" in told
+    assert b"/63 states: main/foundation" in message
 
 
 def test_unconverged_states_are_reported(
@@ -335,7 +335,7 @@ def started(start: Callable[..., Popen], jobs: int) -> Popen:
 
 @pytest.mark.parametrize("jobs", [1, 2])
 @pytest.mark.parametrize(
-    ("number", "code", "told"),
+    ("number", "code", "message"),
     [
         (signal.SIGINT, 130, "interrupted"),
         (signal.SIGTERM, 3, "stopped by SIGTERM"),
@@ -349,7 +349,7 @@ def test_a_signal_ends_it_cleanly(
     jobs: int,
     number: signal.Signals,
     code: int,
-    told: str,
+    message: str,
     program: str,
 ) -> None:
     before = results.read_bytes()
@@ -361,7 +361,7 @@ def test_a_signal_ends_it_cleanly(
     assert time.monotonic() - sent < 10.0
     assert (process.returncode, stdout) == (code, "")
     *_, first, second = stderr.splitlines()
-    assert first == told
+    assert first == message
     assert f" of 300003 states are kept in small.h5.rbrun; resume: {program} run" in second
     assert "Traceback" not in stderr
     assert results.read_bytes() == before

@@ -46,8 +46,8 @@ def test_dry_run_on_top_of_a_run(results: Path, invoke: Invoke) -> None:
 def test_only_leaves_the_rest_and_exits_3(invoke: Invoke) -> None:
     done = invoke("run", "small.yaml", "--only", "main/persson")
     assert done.exit_code == 3
-    told = "error: the results file is not written yet: not all is computed\n"
-    assert told in done.stderr
+    message = "error: the results file is not written yet: not all is computed\n"
+    assert message in done.stderr
     assert "3 of 63 states are kept in small.h5.rbrun; resume: roughbench run" in done.stderr
     assert invoke("status", "small.h5").stdout.splitlines()[-2:] == [
         "small.h5: incomplete, 3 of 63 states are done",
@@ -143,10 +143,10 @@ def test_a_lost_request_is_said(results: Path, invoke: Invoke) -> None:
 def test_provenance_stands_apart(results: Path) -> None:
     import hashlib
 
-    told = json.loads((results.with_name("small.h5.rbrun") / "provenance.json").read_text())
-    assert told["results_sha256"] == hashlib.sha256(results.read_bytes()).hexdigest()
-    assert told["spec_sha256"] == rb.load(results).spec_sha256
-    foundation = told["models"]["main/foundation"]
+    message = json.loads((results.with_name("small.h5.rbrun") / "provenance.json").read_text())
+    assert message["results_sha256"] == hashlib.sha256(results.read_bytes()).hexdigest()
+    assert message["spec_sha256"] == rb.load(results).spec_sha256
+    foundation = message["models"]["main/foundation"]
     assert (foundation["seed"], foundation["states"], foundation["unconverged"]) == (7, 60, 0)
     assert foundation["peak_memory"] > 10**7
     assert {"host", "cpu", "numpy", "pyfftw", "system"} <= set(foundation["machines"][0])
@@ -177,7 +177,7 @@ def test_no_file_of_a_run_rewrites_the_terminal(results: Path, invoke: Invoke) -
     RunFolder(results).write_request(request | {"command": evil})
     shard = shard_of(results)
     shard.rename(shard.with_name(f"{evil.replace('/', '')}.npz"))
-    told = []
+    message = []
     for command in (
         ("status", results),
         ("verify", results),
@@ -185,13 +185,13 @@ def test_no_file_of_a_run_rewrites_the_terminal(results: Path, invoke: Invoke) -
         ("run", "small.yaml", "-v"),
     ):
         done = invoke(*command)
-        told.append(done.stdout + done.stderr)
-    for text in told:
+        message.append(done.stdout + done.stderr)
+    for text in message:
         assert not {"\x1b", "\u202e"} & set(text)
-    for text in told[:3]:
+    for text in message[:3]:
         assert not any(line.startswith("error: you lost") for line in text.splitlines())
-    assert "resume: \\x1b[2J\\u202e\\nerror: you lost" in told[0]
-    assert "is no shard of roughbench" in told[1]
+    assert "resume: \\x1b[2J\\u202e\\nerror: you lost" in message[0]
+    assert "is no shard of roughbench" in message[1]
     (run / "lock").write_text("")
     with RunFolder(results).locked(evil):
         refused = invoke("run", "small.yaml")

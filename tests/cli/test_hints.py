@@ -84,8 +84,8 @@ def test_another_program_of_that_name_is_not_meant(
 def test_what_is_no_command(invoke: Invoke, words: list[str], hint: str) -> None:
     done = invoke(*words)
     assert done.exit_code == 2
-    told = " ".join(done.stderr.replace("│", " ").split())
-    assert f"No such command '{words[0]}'. {hint}" in told
+    message = " ".join(done.stderr.replace("│", " ").split())
+    assert f"No such command '{words[0]}'. {hint}" in message
 
 
 def test_run_of_results_and_show_of_a_spec(results: Path, invoke: Invoke) -> None:

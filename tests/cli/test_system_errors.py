@@ -135,8 +135,8 @@ def test_whatever_else_the_system_refuses(
 
     monkeypatch.setattr(runner, "run_to_file", fail)
     done = invoke("run", "small.yaml")
-    told = f"error: {shown}{os.strerror(number)}"
-    assert (done.exit_code, done.stderr.startswith(told)) == (1, True)
+    message = f"error: {shown}{os.strerror(number)}"
+    assert (done.exit_code, done.stderr.startswith(message)) == (1, True)
     assert remedy in done.stderr
     assert "fault of roughbench" not in done.stderr
 

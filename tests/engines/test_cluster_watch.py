@@ -22,7 +22,7 @@ pytest.importorskip("distributed")
 
 
 @pytest.fixture
-def told(
+def message(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> Callable[[], str]:
     """Make half a minute two seconds; returns what was said."""
@@ -38,7 +38,7 @@ def impatient(processes: Processes) -> Cluster:
 
 
 @pytest.mark.slow
-def test_a_cluster_without_workers(tmp_path: Path, told: Callable[[], str]) -> None:
+def test_a_cluster_without_workers(tmp_path: Path, message: Callable[[], str]) -> None:
     with dask_processes(tmp_path) as own:
         start = time.monotonic()
         with pytest.raises(
@@ -47,8 +47,8 @@ def test_a_cluster_without_workers(tmp_path: Path, told: Callable[[], str]) -> N
         ):
             rb.run(SPEC, cluster=impatient(own))
         assert 6.0 < time.monotonic() - start < 20.0
-    assert "; the run waits 0.1 minutes for it" in told()
-    assert told().count("has no workers") == 1
+    assert "; the run waits 0.1 minutes for it" in message()
+    assert message().count("has no workers") == 1
 
 
 @pytest.mark.slow
@@ -77,7 +77,7 @@ def test_workers_that_come_late_are_waited_for(tmp_path: Path) -> None:
 )
 def test_what_stops_in_mid_run(
     tmp_path: Path,
-    told: Callable[[], str],
+    message: Callable[[], str],
     monkeypatch: pytest.MonkeyPatch,
     number: signal.Signals,
     whom: str,
@@ -100,7 +100,7 @@ def test_what_stops_in_mid_run(
             rb.run(SPEC, output=output, cluster=impatient(own), progress=stop)
         assert time.monotonic() - stopped[0] < 40.0
     assert "states are kept in" in "".join(caught.value.__notes__)
-    assert "; the run waits 0.1 minutes for it" in told()
+    assert "; the run waits 0.1 minutes for it" in message()
     rb.run(SPEC, output=output, threads=1)
     rb.run(SPEC, output=tmp_path / "here.h5", threads=1)
     assert output.read_bytes() == (tmp_path / "here.h5").read_bytes()

@@ -19,15 +19,20 @@ import roughbench as rb
 from roughbench.engines import local
 from roughbench.engines.base import Outcome
 from roughbench.engines.local import compute_here, compute_in_workers
-from roughbench.memory import Room
+from roughbench.memory import AvailableMemory
 from roughbench.planning import resources
 from roughbench.planning.plan import Cell, Task
-from roughbench.planning.resources import Sharing, check_memory, memory_of, sharing
+from roughbench.planning.resources import (
+    ResourceLimits,
+    check_memory,
+    memory_of,
+    resource_limits,
+)
 from roughbench.signals import signals_held_back
 from roughbench.spec import load_spec
 from tests.engines.fakes import Fake, Misdeed
 
-PLENTY = Sharing(jobs=2, given_threads=1, memory=2**50, cores=2)
+PLENTY = ResourceLimits(jobs=2, given_threads=1, memory=2**50, cores=2)
 
 
 @dataclass
@@ -41,17 +46,17 @@ class Spy:
     most: int = 0
     compiled: bool = False
 
-    def advanced(self, task: Task, done: int) -> None:
+    def on_progress(self, task: Task, done: int) -> None:
         self.news.append((task, done))
 
-    def ended(self, task: Task, outcome: Outcome) -> None:
+    def on_end(self, task: Task, outcome: Outcome) -> None:
         assert task not in self.ends
         self.ends[task] = outcome
 
-    def compiling(self) -> None:
+    def on_compiling(self) -> None:
         self.compiled = True
 
-    def said(self, text: str) -> None:
+    def on_message(self, text: str) -> None:
         self.texts.append(text)
 
 
@@ -64,10 +69,10 @@ def tasks(
     return [Task(cell, range(i, i + 1), spec.pressures) for i in range(n)]
 
 
-def worked(given: list[Task], limits: Sharing = PLENTY, processes: int = 2) -> Spy:
+def worked(given: list[Task], limits: ResourceLimits = PLENTY, processes: int = 2) -> Spy:
     spy = Spy()
     compute_in_workers(
-        given, processes=processes, sharing=limits, checkpoint_of=lambda _: None, listener=spy
+        given, processes=processes, limits=limits, checkpoint_of=lambda _: None, listener=spy
     )
     assert set(spy.ends) == set(given)
     return spy
@@ -215,7 +220,7 @@ def test_a_worker_whose_parent_is_gone_says_nothing() -> None:
 
 def test_an_error_of_the_listener_ends_everything_at_once(small_spec: dict[str, Any]) -> None:
     class Full(Spy):
-        def ended(self, task: Task, outcome: Outcome) -> None:
+        def on_end(self, task: Task, outcome: Outcome) -> None:
             del task, outcome
             raise rb.StoreError("disk full")
 
@@ -224,7 +229,7 @@ def test_an_error_of_the_listener_ends_everything_at_once(small_spec: dict[str, 
         compute_in_workers(
             tasks(small_spec, "wait", 40),
             processes=2,
-            sharing=PLENTY,
+            limits=PLENTY,
             checkpoint_of=lambda _: None,
             listener=Full(),
         )
@@ -272,29 +277,29 @@ def test_a_script_without_a_guard_is_told(tmp_path: Path, output: str) -> None:
 # -- who may start -------------------------------------------------------------------------
 
 
-def most_at_once(given: list[Task], limits: Sharing, processes: int) -> int:
+def most_at_once(given: list[Task], limits: ResourceLimits, processes: int) -> int:
     """Return the largest number of tasks that were running together."""
     running: set[Task] = set()
     most = 0
-    give, ended = local._Crew.give, Spy.ended
+    assign, on_end = local.WorkerPool.assign, Spy.on_end
 
     class Counting(Spy):
-        def ended(self, task: Task, outcome: Outcome) -> None:
+        def on_end(self, task: Task, outcome: Outcome) -> None:
             running.discard(task)
-            ended(self, task, outcome)
+            on_end(self, task, outcome)
 
-    def counted(crew: local._Crew, task: Task, checkpoint: Any) -> None:
+    def counted(pool: local.WorkerPool, task: Task, checkpoint: Any) -> None:
         nonlocal most
         running.add(task)
         most = max(most, len(running))
-        give(crew, task, checkpoint)
+        assign(pool, task, checkpoint)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(local._Crew, "give", counted)
+        patch.setattr(local.WorkerPool, "assign", counted)
         compute_in_workers(
             given,
             processes=processes,
-            sharing=limits,
+            limits=limits,
             checkpoint_of=lambda _: None,
             listener=Counting(),
         )
@@ -304,11 +309,11 @@ def most_at_once(given: list[Task], limits: Sharing, processes: int) -> int:
 def test_memory_cores_and_jobs_limit_how_many_run_at_once(small_spec: dict[str, Any]) -> None:
     given = tasks(small_spec, "none", 5)
     room = int(2.5 * memory_of(given[0]))
-    assert most_at_once(given, Sharing(None, None, room, cores=4), 3) == 2
-    assert most_at_once(given, Sharing(None, None, 1, cores=4), 3) == 1
+    assert most_at_once(given, ResourceLimits(None, None, room, cores=4), 3) == 2
+    assert most_at_once(given, ResourceLimits(None, None, 1, cores=4), 3) == 1
     wide = [replace(task, threads=2) for task in given]
-    assert most_at_once(wide, Sharing(None, None, 2**50, cores=4), 3) == 2
-    assert most_at_once(given, Sharing(None, None, 2**50, cores=4), 3) == 3
+    assert most_at_once(wide, ResourceLimits(None, None, 2**50, cores=4), 3) == 2
+    assert most_at_once(given, ResourceLimits(None, None, 2**50, cores=4), 3) == 3
 
 
 def bem(grid: int, **options: Any) -> Task:
@@ -327,13 +332,13 @@ def test_memory_by_estimate() -> None:
 
 
 def test_a_task_that_can_never_start_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    def refusal(task: Task, limits: Sharing) -> str:
+    def refusal(task: Task, limits: ResourceLimits) -> str:
         with pytest.raises(rb.RoughbenchError) as caught:
             check_memory([bem(64), task], limits)
         return str(caught.value)
 
-    monkeypatch.setattr(resources, "room", lambda: Room(10**9))
-    limits = sharing()
+    monkeypatch.setattr(resources, "available_memory", lambda: AvailableMemory(10**9))
+    limits = resource_limits()
     assert limits.memory == 8 * 10**8
     check_memory([bem(64), bem(2048)], limits)
     assert re.search(
@@ -341,15 +346,17 @@ def test_a_task_that_can_never_start_is_refused(monkeypatch: pytest.MonkeyPatch)
         r"1\.0 GB are available; take a smaller grid or a larger machine$",
         refusal(bem(4096), limits),
     )
-    monkeypatch.setattr(resources, "room", lambda: Room(14 * 10**8, "the limit of a job"))
-    limits = sharing()
-    told = refusal(bem(4096), limits)
-    assert "1.4 GB are available (the limit of a job); allow more with --max-memory" in told
-    told = refusal(bem(4096, precision="double"), sharing(max_memory="1.3G"))
-    assert "may take 1.4 GB; choose precision: mixed, or take a smaller grid" in told
-    check_memory([bem(4096)], sharing(max_memory="2G"))
-    monkeypatch.setattr(resources, "room", lambda: None)
-    check_memory([bem(4096)], sharing())
+    monkeypatch.setattr(
+        resources, "available_memory", lambda: AvailableMemory(14 * 10**8, "the limit of a job")
+    )
+    limits = resource_limits()
+    message = refusal(bem(4096), limits)
+    assert "1.4 GB are available (the limit of a job); allow more with --max-memory" in message
+    message = refusal(bem(4096, precision="double"), resource_limits(max_memory="1.3G"))
+    assert "may take 1.4 GB; choose precision: mixed, or take a smaller grid" in message
+    check_memory([bem(4096)], resource_limits(max_memory="2G"))
+    monkeypatch.setattr(resources, "available_memory", lambda: None)
+    check_memory([bem(4096)], resource_limits())
 
 
 @pytest.mark.parametrize(
@@ -371,7 +378,7 @@ def test_threads_and_processes(
     large: tuple[int, int],
 ) -> None:
     monkeypatch.setattr(resources, "available_cores", lambda: 8)
-    limits = sharing(jobs, threads)
+    limits = resource_limits(jobs, threads)
     for grid, wanted in ((1024, small), (2048, large)):
         one = bem(grid)
         given = replace(one, threads=limits.threads(one.cell), cell=replace(one.cell, seed=1))
@@ -380,7 +387,7 @@ def test_threads_and_processes(
 
 
 def test_little_work_is_not_worth_a_process(small_spec: dict[str, Any]) -> None:
-    limits = sharing()
+    limits = resource_limits()
     assert limits.processes(tasks(small_spec, "none", 4)) == 1
     assert limits.processes([]) == 1
-    assert sharing(jobs=3).processes(tasks(small_spec, "none", 2)) == 2
+    assert resource_limits(jobs=3).processes(tasks(small_spec, "none", 2)) == 2

@@ -42,10 +42,10 @@ def test_a_run_is_silent_unless_asked(
 
 
 def test_a_callable_is_told_as_before(small_spec: dict[str, Any]) -> None:
-    told: list[Progress] = []
-    rb.run(small_spec, progress=told.append)
-    assert told[-1].done == 63
-    assert told[-1].share == pytest.approx(1.0)
+    message: list[Progress] = []
+    rb.run(small_spec, progress=message.append)
+    assert message[-1].done == 63
+    assert message[-1].share == pytest.approx(1.0)
 
 
 def test_the_line_ends_where_a_run_fails(capsys: pytest.CaptureFixture[str]) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import roughbench as rb
-from roughbench.memory import room
+from roughbench.memory import available_memory
 from roughbench.models.halfspace import memory
 
 
@@ -22,7 +22,7 @@ def meminfo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.mark.usefixtures("meminfo")
 def test_a_grid_that_does_not_fit_is_refused_with_numbers() -> None:
-    assert room() == rb.memory.Room(1000 * 1024)
+    assert available_memory() == rb.memory.AvailableMemory(1000 * 1024)
     message = (
         "the exact solver needs up to 0.0 GB for 40000 points, and 0.0 GB are available; "
         "a grid of 152 × 152 points would fit"
@@ -49,7 +49,7 @@ def test_a_line_is_counted_in_points() -> None:
 @pytest.mark.parametrize("text", ["", "MemAvailable:\n", "MemAvailable: many kB\n"])
 def test_a_system_that_does_not_say_is_trusted(meminfo: Path, text: str) -> None:
     meminfo.write_text(text)
-    assert room() is None
+    assert available_memory() is None
     memory.check((10**6, 10**6), double=True)
 
 
