@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import signal
 import subprocess
 import sys
 import time
@@ -238,10 +237,12 @@ def test_a_killed_writer_leaves_a_whole_file(path: Path) -> None:
             env=os.environ | {"PYTHONPATH": str(root)},
         ) as writer:
             assert writer.stdout is not None
-            writer.stdout.readline()
-            for _ in range(20):  # a reader meanwhile sees whole files only
-                assert list(load(path)) == ["qr=8", "qr=1"]
-            writer.send_signal(signal.SIGKILL)
+            try:
+                writer.stdout.readline()
+                for _ in range(20):  # a reader meanwhile sees whole files only
+                    assert list(load(path)) == ["qr=8", "qr=1"]
+            finally:
+                writer.kill()
         assert list(load(path)) == ["qr=8", "qr=1"]
 
 

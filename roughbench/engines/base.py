@@ -44,7 +44,7 @@ class TaskListener(Protocol):
         """Loops are being compiled, once for all runs: it takes a while."""
 
     def on_end(self, task: Task, outcome: Outcome) -> None:
-        """A task has ended; what is raised here ends the engine."""
+        """Take the outcome of a task; what is raised here ends the engine."""
 
     def on_message(self, text: str) -> None:
         """Something happened that belongs into the log, such as the death of a worker."""

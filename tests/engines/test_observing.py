@@ -35,7 +35,7 @@ from roughbench.results import ModelResult, Results
 from roughbench.rundir import checkpoint as checkpoints
 from roughbench.rundir.identity import identity
 from roughbench.rundir.journal import log_task
-from roughbench.runner import driver
+from roughbench.runner import monitor
 from roughbench.spec import SelfAffineSurface, Spec, load_spec
 from roughbench.variables import scalars_of, variable_of
 
@@ -90,7 +90,7 @@ def computed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         names.append(f"{task} at {len(task.pressures)}")
         log_task(task, *rest)
 
-    monkeypatch.setattr(driver, "log_task", spy)
+    monkeypatch.setattr(monitor, "log_task", spy)
     return names
 
 

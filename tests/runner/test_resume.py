@@ -17,7 +17,7 @@ from roughbench.rundir import checkpoint as checkpoints
 from roughbench.rundir.folder import RunFolder
 from roughbench.rundir.journal import log_task
 from roughbench.rundir.shards import Shard
-from roughbench.runner import driver, inspection
+from roughbench.runner import driver, inspection, monitor
 from roughbench.spec import load_spec
 from tests.engines.fakes import Fake, Misdeed, Steps
 
@@ -46,7 +46,7 @@ def computed(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         names.append(str(task))
         before(task, *rest)
 
-    monkeypatch.setattr(driver, "log_task", spy)
+    monkeypatch.setattr(monitor, "log_task", spy)
     return names
 
 
