@@ -16,9 +16,9 @@ from roughbench.report.numbers import measured, number
 from roughbench.report.observables import drawn_pressures, observable_charts, pressure_key
 from roughbench.report.sources import ReportSource, places
 from roughbench.report.styles import PageStyle, experiment_dashes, page_styles
-from roughbench.report.tables import ReportTable, compared, fit_tables, model_table
+from roughbench.report.tables import compared, fit_tables, model_table
 from roughbench.report.text import from_notation, from_remedy, plain, without_folders
-from roughbench.report.verdicts import by_outcome
+from roughbench.report.verdicts import by_outcome, numbered
 from roughbench.report.warnings import ABOUT, Remark, remarks
 from roughbench.store import FORMAT_VERSION
 from roughbench.verdict import Case, Verdict
@@ -36,7 +36,7 @@ def render(
     *,
     reference: str | None = None,
     resamples: int,
-    more_verdicts: Sequence[ReportTable] = (),
+    contenders: Sequence[Verdict] = (),
 ) -> str:
     """Return the page as HTML, the same for the same content.
 
@@ -44,22 +44,22 @@ def render(
     ----------
     sources : sequence of ReportSource
     verdicts : sequence of Verdict
-        On all of them together.
+        On the paper's claims.
     cases : sequence of Case
         The experiments of all of them, with their fits.
     reference : str, optional
         Label of the model that the others are held against, if one was named.
     resamples : int
         Draws of the realizations behind the errors.
-    more_verdicts : sequence of ReportTable
-        Further tables, after the paper's claims.
+    contenders : sequence of Verdict
+        On the models, whatever the paper claims; a table of their own.
     """
     styles = page_styles(sources)
     named = (source.results.name or source.name for source in sources)
     given = f" --reference {reference}" if reference is not None else ""
     files = " ".join(source.name for source in sources)
     return (
-        _environment()
+        load_templates()
         .get_template("page.html.j2")
         .render(
             names=", ".join(dict.fromkeys(named)),
@@ -70,7 +70,7 @@ def render(
             compared=compared(sources),
             n_claims=len(verdicts),
             verdicts=by_outcome(verdicts),
-            more_verdicts=more_verdicts,
+            contenders=numbered(contenders, len(verdicts) + 1),
             places=places(sources),
             files=[
                 _file(f"file-{place}", source, styles) for place, source in enumerate(sources)
@@ -86,7 +86,7 @@ def render(
 
 
 @functools.cache
-def _environment() -> Environment:
+def load_templates() -> Environment:
     """Return the templates: they escape all that is not theirs, and miss nothing silently."""
     environment = Environment(
         loader=PackageLoader("roughbench.report"),

@@ -30,7 +30,12 @@ class NumberedVerdict:
         return len(self.verdict.measurements) <= MOST_OPEN
 
 
+def numbered(verdicts: Sequence[Verdict], first: int = 1) -> list[NumberedVerdict]:
+    """Return verdicts with numbers from ``first`` on."""
+    return [NumberedVerdict(number, verdict) for number, verdict in enumerate(verdicts, first)]
+
+
 def by_outcome(verdicts: Sequence[Verdict]) -> dict[Outcome, list[NumberedVerdict]]:
     """Return the verdicts of each outcome, for all outcomes."""
-    found = [NumberedVerdict(number, verdict) for number, verdict in enumerate(verdicts, 1)]
+    found = numbered(verdicts)
     return {outcome: [v for v in found if v.verdict.outcome is outcome] for outcome in Outcome}
