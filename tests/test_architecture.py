@@ -60,6 +60,7 @@ OWNERS = {
     "distributed": {"engines"},
     "filelock": {"locks"},
     "h5py": {"heights_file", "store"},
+    "jinja2": {"report"},
     "matplotlib": {"figures"},
     "numba": {"models"},
     "pydantic": {"models", "spec"},

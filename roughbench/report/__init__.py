@@ -11,11 +11,11 @@ from pathlib import Path
 
 from roughbench.fits import RESAMPLES
 from roughbench.outputs import Kind
-from roughbench.report.page import Content, render
-from roughbench.report.sources import Source, read_sources
+from roughbench.report.page import render
+from roughbench.report.sources import ReportSource, read_sources
 from roughbench.verdict import cases_of, judge_cases
 
-__all__ = ["PAGE", "Source", "make_report", "read_sources"]
+__all__ = ["PAGE", "ReportSource", "make_report", "read_sources"]
 
 PAGE = Kind("report", lambda head, _: b'<meta name="generator" content="roughbench ' in head)
 
@@ -23,7 +23,7 @@ PAGE = Kind("report", lambda head, _: b'<meta name="generator" content="roughben
 def make_report(
     paths: Sequence[Path], *, reference: str | None = None, resamples: int = RESAMPLES
 ) -> str:
-    """Return the report on results files as an HTML page.
+    """Return the report on results files as an HTML page, the same for the same files.
 
     Parameters
     ----------
@@ -34,11 +34,6 @@ def make_report(
         such a model: the first exact solver of each experiment.
     resamples : int
         Draws of the realizations for the errors, at least 2.
-
-    Returns
-    -------
-    str
-        The same for the same files.
 
     Raises
     ------
@@ -51,4 +46,4 @@ def make_report(
         [(source.name, source.results) for source in sources], reference, resamples
     )
     verdicts = judge_cases(cases, resamples)
-    return render(Content(sources, verdicts, cases, reference, resamples))
+    return render(sources, verdicts, cases, reference=reference, resamples=resamples)

@@ -1,4 +1,4 @@
-"""Charts of the page: curves with their bands and axes, as JSON.
+"""Charts of the page: curves with their bands and axes, as data for the page's script.
 
 Nothing here knows what draws them: the page's own script makes plotly's traces of them, and
 connects them with the switches of models and experiments by the entries of their ``meta``.
@@ -6,7 +6,6 @@ connects them with the switches of models and experiments by the entries of thei
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,13 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.report.looks import Look
-from roughbench.report.markup import escape
-from roughbench.report.sources import Source
-from roughbench.results import ModelResult
+from roughbench.report.text import from_notation, plotly_text
 
 FloatArray = NDArray[np.float64]
 Ranges = dict[str, list[float] | None]
+"""What the ordinate shows at first, by its kind, ``log`` or ``linear``; None: everything."""
 
 _FLOOR = 1e-3
 """Bands do not fall below this part of their curve: a logarithmic axis has no zero."""
@@ -29,8 +26,62 @@ _DIGITS, _FEW_DIGITS = 7, 4
 """More than a picture can show; of curves without marked points, hundreds of numbers each."""
 
 
-@dataclass(frozen=True, slots=True)
-class Chart:
+@dataclass(frozen=True, slots=True, eq=False)
+class ChartSeries:
+    """One curve with its band.
+
+    Attributes
+    ----------
+    name : str
+        In plotly's subset of HTML.
+    meta : dict
+        By which the page's script finds it.
+    x, y, lower, upper : ndarray of float64, shape (P,)
+        What is not finite is left out.
+    colour, dash : str
+        ``#RRGGBB``, and plotly's name of the dashes.
+    symbol : str
+        plotly's name of the marker; empty: the points are not marked.
+    hover : list of str
+        What pointing at each point shows; empty: its numbers.
+    """
+
+    name: str
+    meta: dict[str, str]
+    x: FloatArray
+    y: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+    colour: str
+    dash: str
+    symbol: str = ""
+    hover: Sequence[str] = ()
+
+    def data(self) -> dict[str, Any]:
+        """Return the curve for the page's script; without a band, if there is none."""
+        digits = _DIGITS if self.symbol else _FEW_DIGITS
+        data: dict[str, Any] = {
+            "name": self.name,
+            "meta": self.meta,
+            "colour": self.colour,
+            "dash": self.dash,
+            "x": _numbers(self.x, digits),
+            "y": _numbers(self.y, digits),
+        }
+        if self.symbol:
+            data["symbol"] = self.symbol
+        if self.hover:
+            data["text"] = list(self.hover)
+        has_band = np.isfinite(self.y) & np.isfinite(self.lower) & np.isfinite(self.upper)
+        if has_band.any():
+            lower = np.maximum(self.lower, _FLOOR * np.abs(self.y))
+            data["lower"] = _numbers(np.where(has_band, lower, math.nan), digits)
+            data["upper"] = _numbers(np.where(has_band, self.upper, math.nan), digits)
+        return data
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ReportChart:
     """One chart of the page.
 
     Attributes
@@ -38,121 +89,39 @@ class Chart:
     key : str
         Tells it from the others of its file.
     title : str
-        HTML.
+        With formulas in plain text, as the axes.
     label : str
         Plain text in place of the picture.
-    content : str
-        JSON for the page's script: curves, axes, ranges of the ordinate.
+    x_axis, y_axis : str
+    series : sequence of ChartSeries
+    ranges : dict
+    is_log : (bool, bool)
+        Which axes are logarithmic at first.
+    not_given : sequence of str
+        Titles of the models that have no such curve.
     """
 
     key: str
     title: str
     label: str
-    content: str
+    x_axis: str
+    y_axis: str
+    series: Sequence[ChartSeries]
+    ranges: Ranges
+    is_log: tuple[bool, bool] = (True, True)
+    not_given: Sequence[str] = ()
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """What the page's script draws, as JSON knows it."""
+        x, y = (
+            {"title": plotly_text(from_notation(title)), "type": "log" if log else "linear"}
+            for title, log in zip((self.x_axis, self.y_axis), self.is_log, strict=True)
+        )
+        curves = [series.data() for series in self.series]
+        return {"curves": curves, "x": x, "y": y, "ranges": self.ranges}
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Line:
-    """One curve with its band.
-
-    Attributes
-    ----------
-    x, y, lower, upper : ndarray of float64, shape (P,)
-        What is not finite is left out.
-    words : list of str
-        What hovering over each point shows; empty: its numbers.
-    name : str
-        In plotly's subset of HTML.
-    meta : dict
-        By which the page's script finds it.
-    """
-
-    x: FloatArray
-    y: FloatArray
-    lower: FloatArray
-    upper: FloatArray
-    words: list[str]
-    name: str
-    meta: dict[str, Any]
-
-
-def curve(line: Line, look: Look, dash: str, *, has_symbols: bool = True) -> dict[str, Any]:
-    """Return a curve for the page's script; without a band, if there is none.
-
-    Parameters
-    ----------
-    line : Line
-    look : Look
-    dash : str
-        plotly's name of the dashes.
-    has_symbols : bool
-        Whether the points are marked.
-    """
-    known = np.isfinite(line.y)
-    y = np.where(known, line.y, math.nan)
-    digits = _DIGITS if has_symbols else _FEW_DIGITS
-    drawn: dict[str, Any] = {
-        "name": line.name,
-        "meta": line.meta,
-        "colour": look.colour,
-        "dash": dash,
-        "x": numbers(line.x, digits),
-        "y": numbers(y, digits),
-    }
-    if has_symbols:
-        drawn["symbol"] = look.symbol
-    if line.words:
-        drawn["text"] = line.words
-    has_band = known & np.isfinite(line.lower) & np.isfinite(line.upper)
-    if has_band.any():
-        floor = _FLOOR * np.abs(np.where(known, line.y, 1.0))
-        lower = np.where(has_band, np.maximum(line.lower, floor), math.nan)
-        drawn["lower"] = numbers(lower, digits)
-        drawn["upper"] = numbers(np.where(has_band, line.upper, math.nan), digits)
-    return drawn
-
-
-def curve_name(source: Source, experiment: str, result: ModelResult) -> str:
-    """Return how a curve is called, in plotly's subset of HTML."""
-    name = escape(source.title(result.label))
-    return name if len(source.results) == 1 else f"{name}, {source.experiment(experiment)}"
-
-
-def content(
-    curves: Sequence[dict[str, Any]],
-    x_axis: str,
-    y_axis: str,
-    *,
-    is_log: tuple[bool, bool] = (True, True),
-    ranges: Ranges | None = None,
-) -> str:
-    """Return a chart as JSON that may stand in a script element.
-
-    Parameters
-    ----------
-    curves : sequence of dict
-        As :func:`curve` returns them.
-    x_axis, y_axis : str
-        Titles of the axes, in plotly's subset of HTML.
-    is_log : (bool, bool)
-        Which axes are logarithmic at first.
-    ranges : dict, optional
-        What the ordinate shows at first, by its kind; None: everything.
-    """
-    drawn = {
-        "curves": list(curves),
-        "x": {"title": x_axis, "type": _type(is_log[0])},
-        "y": {"title": y_axis, "type": _type(is_log[1])},
-        "ranges": ranges or {"log": None, "linear": None},
-    }
-    text = json.dumps(drawn, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    return text.replace("<", "\\u003c")
-
-
-def _type(is_log: bool) -> str:  # noqa: FBT001
-    return "log" if is_log else "linear"
-
-
-def numbers(values: FloatArray, digits: int) -> list[float | None]:
+def _numbers(values: FloatArray, digits: int) -> list[float | None]:
     """Return numbers with so many significant digits; None for what is none."""
     return [float(f"{v:.{digits}g}") if math.isfinite(v) else None for v in values.tolist()]

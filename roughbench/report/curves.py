@@ -3,51 +3,40 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from roughbench.figures.curves import Curve, Quantity, curve_of
-from roughbench.report.charts import Chart, Line, Ranges, content, curve, curve_name
-from roughbench.report.looks import Look, experiment_dashes
-from roughbench.report.markup import number, with_error
-from roughbench.report.sources import Source
+from roughbench.report.charts import ChartSeries, Ranges, ReportChart
+from roughbench.report.numbers import number, with_error
+from roughbench.report.sources import ReportSource
+from roughbench.report.styles import PageStyle, experiment_dashes
+from roughbench.report.text import from_notation, plain, plotly_text
 from roughbench.results import ModelResult
 
 FloatArray = NDArray[np.float64]
-Scale = Callable[[ModelResult, FloatArray], FloatArray]
 
 
-def _as_it_is(_result: ModelResult, pressure: FloatArray) -> FloatArray:
-    return np.ones_like(pressure)
-
-
-def _slope_by_pressure(result: ModelResult, pressure: FloatArray) -> FloatArray:
-    return float(result.attributes["rms_slope"]) / pressure
-
-
-def _by_pressure(_result: ModelResult, pressure: FloatArray) -> FloatArray:
-    return 1.0 / pressure
+def _rms_slope(result: ModelResult) -> float:
+    return float(result.attributes["rms_slope"])
 
 
 @dataclass(frozen=True, slots=True)
-class Plot:
+class PressureChart:
     """One kind of chart over the pressure.
 
     Attributes
     ----------
     key : str
-    title : str
-        HTML.
-    axis : str
-        Of the ordinate, in plotly's subset of HTML.
+    title, axis : str
+        With formulas in plain text; the axis is the ordinate.
     quantity : {"area", "separation", "stiffness"}
         Where its values come from.
-    scale : callable
-        What they are multiplied by, at each pressure.
+    per_pressure : callable, optional
+        What the values are multiplied by where they are divided by the pressure.
     lowest, highest : float
         What is cut off at first, until the reader zooms out.
     is_log : bool
@@ -58,118 +47,123 @@ class Plot:
     title: str
     axis: str
     quantity: Quantity
-    scale: Scale = _as_it_is
+    per_pressure: Callable[[ModelResult], float] | None = None
     lowest: float = 0.0
     highest: float = math.inf
     is_log: bool = True
 
 
-PLOTS = (
-    Plot("area", "Contact area", "A/A<sub>0</sub>", "area"),
-    Plot(
+_KAPPA = "κ = (A/A_0) E*ξ/p"
+PRESSURE_CHARTS = (
+    PressureChart("area", "Contact area", "A/A_0", "area"),
+    PressureChart(
         "kappa",
-        "Is the area proportional to the pressure? κ = (A/A<sub>0</sub>) E*ξ/p",
-        "κ = (A/A<sub>0</sub>) E*ξ/p",
+        f"Is the area proportional to the pressure? {_KAPPA}",
+        _KAPPA,
         "area",
-        _slope_by_pressure,
+        _rms_slope,
     ),
-    Plot(
-        "separation",
-        "Mean separation",
-        "ū/h<sub>rms</sub>",
-        "separation",
-        lowest=1e-4,
-        is_log=False,
+    PressureChart(
+        "separation", "Mean separation", "ū/h_rms", "separation", lowest=1e-4, is_log=False
     ),
-    Plot("stiffness", "Stiffness", "K h<sub>rms</sub>/E*", "stiffness", highest=1e2),
-    Plot(
+    PressureChart("stiffness", "Stiffness", "K h_rms/E*", "stiffness", highest=1e2),
+    PressureChart(
         "stiffness-by-pressure",
-        "Is the stiffness proportional to the pressure? K h<sub>rms</sub>/p",
-        "K h<sub>rms</sub>/p",
+        "Is the stiffness proportional to the pressure? K h_rms/p",
+        "K h_rms/p",
         "stiffness",
-        _by_pressure,
+        lambda _: 1.0,
         highest=1e3,
     ),
 )
 
 
-def curve_charts(source: Source, looks: dict[str, Look]) -> list[Chart]:
-    """Return the charts of all curves over the pressure.
+def has_quantity(result: ModelResult, quantity: str) -> bool:
+    """Return whether a model gives a quantity: a theory of the area alone has no stiffness."""
+    return f"{quantity}_mean" in result
+
+
+def pressure_charts(source: ReportSource, styles: Mapping[str, PageStyle]) -> list[ReportChart]:
+    """Return the charts of all curves over the pressure, each with a curve at least.
 
     Parameters
     ----------
-    source : Source
-    looks : dict of str to Look
+    source : ReportSource
+    styles : mapping of str to PageStyle
         By label.
-
-    Returns
-    -------
-    list of Chart
-        One of each of :data:`PLOTS`; none of results without models.
     """
-    if not any(source.models()):
-        return []
-    return [_chart(source, plot, looks) for plot in PLOTS]
+    charts = (_chart(source, kind, styles) for kind in PRESSURE_CHARTS)
+    return [chart for chart in charts if chart.series]
 
 
-def _chart(source: Source, plot: Plot, looks: dict[str, Look]) -> Chart:
-    dashes = experiment_dashes(list(source.results))
-    curves: list[dict[str, Any]] = []
-    seen = []
+def _chart(
+    source: ReportSource, kind: PressureChart, styles: Mapping[str, PageStyle]
+) -> ReportChart:
+    dashes = experiment_dashes(source.results)
+    series, not_given = [], []
     for experiment, result in source.models():
-        own = curve_of(result, plot.quantity)
-        factor = plot.scale(result, own.pressure)
-        line = Line(
-            x=own.pressure,
-            y=own.value * factor,
-            lower=own.lower * factor,
-            upper=own.upper * factor,
-            words=_hover(own, factor, plot),
-            name=curve_name(source, experiment, result),
-            meta={"model": result.label, "experiment": experiment},
+        if not has_quantity(result, kind.quantity):
+            not_given.append(source.title(result.label))
+            continue
+        curve = curve_of(result, kind.quantity)
+        factor = np.ones_like(curve.pressure)
+        if kind.per_pressure is not None:
+            factor = kind.per_pressure(result) / curve.pressure
+        style = styles[result.label]
+        series.append(
+            ChartSeries(
+                name=plotly_text(source.curve_name(experiment, result.label)),
+                meta={"model": result.label, "experiment": experiment},
+                x=curve.pressure,
+                y=curve.value * factor,
+                lower=curve.lower * factor,
+                upper=curve.upper * factor,
+                colour=style.colour,
+                dash=dashes[experiment],
+                symbol=style.symbol,
+                hover=_hover(curve, factor, kind.axis),
+            )
         )
-        curves.append(curve(line, looks[result.label], dashes[experiment]))
-        seen.append(line.y)
-    ranges = _ranges(np.concatenate(seen), plot)
     label = (
-        f"{_plain(plot.axis)} against p/E*, {len(curves)} curves of {source.name}; "
-        "the tables of the report say in numbers what they show"
+        f"{plain(from_notation(kind.axis))} against p/E*, {len(series)} curves of "
+        f"{source.name}; the tables of the report say in numbers what they show"
     )
-    log = (True, plot.is_log)
-    text = content(curves, "pressure p/E*", plot.axis, is_log=log, ranges=ranges)
-    return Chart(plot.key, plot.title, label, text)
+    return ReportChart(
+        kind.key,
+        kind.title,
+        label,
+        "pressure p/E*",
+        kind.axis,
+        series,
+        _ranges(series, kind),
+        (True, kind.is_log),
+        list(dict.fromkeys(not_given)),
+    )
 
 
-def _hover(curve: Curve, factor: FloatArray, plot: Plot) -> list[str]:
-    words = []
-    for p, value, low, high, is_median, f in zip(
-        curve.pressure,
-        curve.value,
-        curve.lower,
-        curve.upper,
-        curve.is_median,
-        factor,
-        strict=True,
-    ):
-        if is_median:
-            shown = f"{number(value * f)} (median; {number(low * f)} to {number(high * f)})"
+def _hover(curve: Curve, factor: FloatArray, axis: str) -> list[str]:
+    symbol = plotly_text(from_notation(axis.partition(" = ")[0]))
+    texts = []
+    for k, p in enumerate(curve.pressure):
+        value, low, high = (
+            float(values[k] * factor[k]) for values in (curve.value, curve.lower, curve.upper)
+        )
+        if curve.is_median[k]:
+            shown = f"{number(value)} (median; {number(low)} to {number(high)})"
         else:
-            shown = with_error(value * f, (high - low) / 2.0 * f, 4)
-        words.append(f"p/E* = {number(p)}<br>{plot.axis.partition(' = ')[0]} = {shown}")
-    return words
+            shown = with_error(value, (high - low) / 2.0, 4)
+        texts.append(f"p/E* = {number(p)}<br>{symbol} = {shown}")
+    return texts
 
 
-def _ranges(values: FloatArray, plot: Plot) -> Ranges:
-    """Return what both kinds of ordinate show at first; None: everything."""
+def _ranges(series: list[ChartSeries], kind: PressureChart) -> Ranges:
+    """Return what both kinds of ordinate show at first."""
+    values = np.concatenate([np.empty(0), *(one.y for one in series)])
     finite = values[np.isfinite(values) & (values > 0.0)]
     if finite.size == 0:
         return {"log": None, "linear": None}
-    low = max(float(finite.min()), plot.lowest)
-    high = min(float(finite.max()), plot.highest)
+    low = max(float(finite.min()), kind.lowest)
+    high = min(float(finite.max()), kind.highest)
     log = [math.log10(low / 1.4), math.log10(high * 1.4)] if low < high else None
     top = min(float(finite.max()), 4.0 * float(np.quantile(finite, 0.75)))
     return {"log": log, "linear": [0.0, 1.05 * top]}
-
-
-def _plain(text: str) -> str:
-    return text.replace("<sub>", "").replace("</sub>", "")

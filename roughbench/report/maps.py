@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import base64
+import itertools
 import struct
 import zlib
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.report.markup import escape, number
-from roughbench.report.sources import Source
+from roughbench.report.numbers import number
+from roughbench.report.sources import ReportSource
+from roughbench.report.text import RichText, Span, joined
 from roughbench.results import ModelResult
 
 FloatArray = NDArray[np.float64]
@@ -26,13 +29,12 @@ STEPS = 63
 
 
 @dataclass(frozen=True, slots=True)
-class Map:
+class FieldMap:
     """The contact pressure of one state.
 
     Attributes
     ----------
-    title : str
-        HTML.
+    title : RichText
     label : str
         Plain text in place of the picture.
     image : bytes
@@ -43,7 +45,7 @@ class Map:
         Whether it is a stripe.
     """
 
-    title: str
+    title: RichText
     label: str
     image: bytes
     model: str
@@ -56,43 +58,36 @@ class Map:
         return f"data:image/png;base64,{base64.b64encode(self.image).decode('ascii')}"
 
 
-def field_maps(source: Source) -> list[Map]:
-    """Return maps of the fields that are kept in the file, the first of them."""
-    maps: list[Map] = []
+def _kept(source: ReportSource) -> Iterator[tuple[str, ModelResult, int]]:
+    """Yield experiment, result and index of every field that is kept in the file."""
     for experiment, result in source.models():
-        if "field_pressure" not in result:
-            continue
-        slope = float(result.attributes["rms_slope"])
-        for k, field in enumerate(np.asarray(result["field_pressure"], float)):
-            if len(maps) < MOST_MAPS:
-                maps.append(_map(source, experiment, result, k, field / slope))
-    return maps
+        if "field_pressure" in result:
+            yield from ((experiment, result, k) for k in range(len(result["field_pressure"])))
 
 
-def n_fields(source: Source) -> int:
+def n_fields(source: ReportSource) -> int:
     """Return how many fields are kept in the file."""
-    return sum(
-        len(result["field_pressure"])
-        for _, result in source.models()
-        if "field_pressure" in result
-    )
+    return len(list(_kept(source)))
 
 
-def _map(
-    source: Source, experiment: str, result: ModelResult, k: int, pressure: FloatArray
-) -> Map:
-    name = source.title(result.label)
-    parts = [escape(name)]
-    if len(source.results) > 1:
-        parts.append(source.experiment(experiment))
+def field_maps(source: ReportSource) -> list[FieldMap]:
+    """Return maps of the fields that are kept in the file, the first of them."""
+    return [_map(source, *field) for field in itertools.islice(_kept(source), MOST_MAPS)]
+
+
+def _map(source: ReportSource, experiment: str, result: ModelResult, k: int) -> FieldMap:
+    pressure = np.asarray(result["field_pressure"][k], float)
+    parts = [source.curve_name(experiment, result.label)]
     if "field_nominal_pressure" in result:
-        parts.append(f"p/E* = {number(float(result['field_nominal_pressure'][k]))}")
+        parts.append([Span(f"p/E* = {number(float(result['field_nominal_pressure'][k]))}")])
     if "field_realization" in result:
-        parts.append(f"realization {int(result['field_realization'][k])}")
-    return Map(
-        ", ".join(parts),
-        f"Map of the contact pressure of {name}, {experiment}, {source.name}",
-        picture(levels(coarse(np.atleast_2d(pressure)))),
+        parts.append([Span(f"realization {int(result['field_realization'][k])}")])
+    title = source.title(result.label)
+    slope = float(result.attributes["rms_slope"])
+    return FieldMap(
+        joined(parts),
+        f"Map of the contact pressure of {title}, {experiment}, {source.name}",
+        picture(levels(coarse(np.atleast_2d(pressure / slope)))),
         result.label,
         experiment,
         pressure.ndim == 1,
@@ -117,16 +112,7 @@ def levels(field: FloatArray) -> NDArray[np.uint8]:
 
 
 def picture(pixels: NDArray[np.uint8]) -> bytes:
-    """Return a PNG of levels, in the colours of :data:`COLOURS`; the first row is below.
-
-    Parameters
-    ----------
-    pixels : ndarray of uint8, shape (n, m)
-
-    Returns
-    -------
-    bytes
-    """
+    """Return a PNG of levels, in the colours of :data:`COLOURS`; the first row is below."""
     rows, columns = pixels.shape
     head = struct.pack(">IIBBBBB", columns, rows, 8, 3, 0, 0, 0)  # 8 bits, with a palette
     lines = np.concatenate([np.zeros((rows, 1), np.uint8), pixels[::-1]], axis=1)  # no filter

@@ -1,225 +1,146 @@
-"""The page: its parts put together, with styles, script and plotly inside it."""
+"""The page: what the results say as data, set by the templates beside this module."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+import functools
+from collections.abc import Sequence
 from importlib import resources
-from pathlib import PurePosixPath
-from string import Template
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from roughbench import __version__
-from roughbench.report.charts import Chart
-from roughbench.report.curves import curve_charts
-from roughbench.report.looks import Look, model_looks
-from roughbench.report.maps import COLOURS, MOST_MAPS, MOST_POINTS, Map, field_maps, n_fields
-from roughbench.report.markup import escape
-from roughbench.report.observables import observable_charts
-from roughbench.report.sources import Source, full_places, places
-from roughbench.report.switches import switches
-from roughbench.report.tables import compared, fit_tables, provenance
-from roughbench.report.verdicts import summary, verdict_table
-from roughbench.report.warnings import ABOUT, Remark, Severity, remarks
+from roughbench.report.curves import pressure_charts
+from roughbench.report.maps import COLOURS, MOST_MAPS, MOST_POINTS, field_maps, n_fields
+from roughbench.report.numbers import measured, number
+from roughbench.report.observables import drawn_pressures, observable_charts, pressure_key
+from roughbench.report.sources import ReportSource, places
+from roughbench.report.styles import PageStyle, experiment_dashes, page_styles
+from roughbench.report.tables import compared, fit_tables, model_table
+from roughbench.report.text import from_notation, from_remedy, plain, without_folders
+from roughbench.report.verdicts import by_outcome, numbered
+from roughbench.report.warnings import ABOUT, Remark, remarks
 from roughbench.store import FORMAT_VERSION
-from roughbench.verdict import Case, Outcome, Verdict
+from roughbench.verdict import Case, Verdict
 
 MOST_REMARKS = 12
 """Remarks on one topic that are shown at once; longer lists unfold."""
-_POLICY = (
-    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
-    "img-src data: blob:"
-)
-"""What browsers hold the page to: nothing comes from, or goes to, any other place."""
+MOST_CURVES = 8
+"""Curves that a chart shows at first with all experiments; of more, the first experiment."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Content:
-    """What the page shows.
-
-    Attributes
-    ----------
-    sources : sequence of Source
-    verdicts : sequence of Verdict
-        On all of them together.
-    cases : sequence of Case
-        The experiments of all of them, with their fits.
-    reference : str or None
-        Label of the model that the others are held against, if one was named.
-    resamples : int
-        Draws of the realizations behind the errors.
-    """
-
-    sources: Sequence[Source]
-    verdicts: Sequence[Verdict]
-    cases: Sequence[Case]
-    reference: str | None
-    resamples: int
-
-
-def render(content: Content) -> str:
-    """Return the page, the same for the same content.
+def render(
+    sources: Sequence[ReportSource],
+    verdicts: Sequence[Verdict],
+    cases: Sequence[Case],
+    *,
+    reference: str | None = None,
+    resamples: int,
+    contenders: Sequence[Verdict] = (),
+) -> str:
+    """Return the page as HTML, the same for the same content.
 
     Parameters
     ----------
-    content : Content
-
-    Returns
-    -------
-    str
-        HTML.
+    sources : sequence of ReportSource
+    verdicts : sequence of Verdict
+        On the paper's claims.
+    cases : sequence of Case
+        The experiments of all of them, with their fits.
+    reference : str, optional
+        Label of the model that the others are held against, if one was named.
+    resamples : int
+        Draws of the realizations behind the errors.
+    contenders : sequence of Verdict
+        On the models, whatever the paper claims; a table of their own.
     """
-    folder = resources.files(__package__)
-
-    def asset(*name: str) -> str:
-        return folder.joinpath(*name).read_text(encoding="utf-8")
-
-    sources = content.sources
-    looks = model_looks(sources)
-    names = ", ".join(dict.fromkeys(source.results.name or source.name for source in sources))
-    return Template(asset("page.html")).substitute(
-        policy=_POLICY,
-        title=escape(f"Rough contact: {names}"),
-        names=escape(names),
-        style=asset("page.css"),
-        version=escape(__version__),
-        format_version=FORMAT_VERSION,
-        compared=compared(sources),
-        claims=len(content.verdicts),
-        decided=_decided(content.verdicts),
-        summary=summary(content.verdicts),
-        verdicts=verdict_table(content.verdicts, places(sources)),
-        figures="\n".join(_figures(n, source, looks) for n, source in enumerate(sources)),
-        fits="\n".join(
-            fit_tables(source, [case for case in content.cases if case.source == source.name])
-            for source in sources
-        ),
-        resamples=content.resamples,
-        warnings=_warnings(remarks(sources), full_places(sources)),
-        provenance="\n".join(provenance(source) for source in sources),
-        command=escape(_command(content)),
-        plotly=asset("plotly", "plotly-basic.min.js"),
-        script=asset("page.js"),
+    styles = page_styles(sources)
+    named = (source.results.name or source.name for source in sources)
+    given = f" --reference {reference}" if reference is not None else ""
+    files = " ".join(source.name for source in sources)
+    return (
+        load_templates()
+        .get_template("page.html.j2")
+        .render(
+            names=", ".join(dict.fromkeys(named)),
+            command=f"roughbench report {files}{given} --resamples {resamples}",
+            version=__version__,
+            format_version=FORMAT_VERSION,
+            resamples=resamples,
+            compared=compared(sources),
+            n_claims=len(verdicts),
+            verdicts=by_outcome(verdicts),
+            contenders=numbered(contenders, len(verdicts) + 1),
+            places=places(sources),
+            files=[
+                _file(f"file-{place}", source, styles) for place, source in enumerate(sources)
+            ],
+            fits=list(fit_tables(sources, cases)),
+            remarks=_by_topic(remarks(sources)),
+            colours=COLOURS,
+            most_points=MOST_POINTS,
+            most_remarks=MOST_REMARKS,
+            asset=_asset,
+        )
     )
 
 
-def _decided(verdicts: Sequence[Verdict]) -> str:
-    """Return in a sentence how many claims hold, fail, and so on."""
-    words = {
-        Outcome.HOLDS: "{} hold",
-        Outcome.FAILS: "{} fail",
-        Outcome.UNDECIDED: "{} are undecided",
-        Outcome.NOT_TESTED: "{} cannot be tested on these results",
+@functools.cache
+def load_templates() -> Environment:
+    """Return the templates: they escape all that is not theirs, and miss nothing silently."""
+    environment = Environment(
+        loader=PackageLoader("roughbench.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {
+        "from_notation": from_notation,
+        "from_remedy": from_remedy,
+        "measured": measured,
+        "number": number,
+        "plain": plain,
+        "pressure_key": pressure_key,
+        "without_folders": without_folders,
     }
-    counts = {outcome: sum(v.outcome is outcome for v in verdicts) for outcome in words}
-    return ", ".join(words[outcome].format(count) for outcome, count in counts.items())
+    environment.policies["json.dumps_kwargs"] = {
+        "allow_nan": False,
+        "ensure_ascii": False,
+        "separators": (",", ":"),
+    }
+    return environment
 
 
-def _command(content: Content) -> str:
-    words = ["roughbench report", *(source.name for source in content.sources)]
-    if content.reference is not None:
-        words.append(f"--reference {content.reference}")
-    return " ".join([*words, f"--resamples {content.resamples}"])
+def _asset(*name: str) -> str:
+    """Return a file of this package as it is: styles, script, and the library."""
+    return resources.files(__package__).joinpath(*name).read_text(encoding="utf-8")
 
 
-def _figures(place: int, source: Source, looks: dict[str, Look]) -> str:
-    stem = PurePosixPath(source.name).stem
-    parts = [_charts(place, stem, curve_charts(source, looks))]
-    if observables := observable_charts(source, looks):
-        parts += [
-            f"<h4>Inside the contact</h4><p>{_OBSERVABLES}</p>",
-            _charts(place, stem, observables),
-        ]
-    if maps := field_maps(source):
-        drawn = "".join(_map(f"file-{place}-map-{k}", one) for k, one in enumerate(maps))
-        parts += [
-            f"<h4>Maps of the contact</h4><p>{_MAPS}</p>{_SCALE}",
-            f'<div class="charts maps">{drawn}</div>',
-        ]
-    if (left_out := n_fields(source) - MOST_MAPS) > 0:
-        parts.append(f"<p>{left_out} more fields are in the file.</p>")
-    body = "\n".join(parts)
-    return (
-        f'<section class="file" aria-label="{escape(source.name)}">'
-        f"<h3>{escape(source.name)}</h3>\n{switches(source, looks)}\n{body}</section>"
-    )
+def _file(key: str, source: ReportSource, styles: dict[str, PageStyle]) -> dict[str, Any]:
+    """Return legend, charts and maps of a file, and where they come from."""
+    dashes = experiment_dashes(source.results)
+    many = len(list(source.models())) > MOST_CURVES
+    return {
+        "key": key,
+        "source": source,
+        "models": [(label, source.title(label), styles[label]) for label in source.by_label()],
+        "experiments": [
+            (name, source.experiment(name), dash, place == 0 or not many)
+            for place, (name, dash) in enumerate(dashes.items())
+        ],
+        "pressures": drawn_pressures(source),
+        "charts": pressure_charts(source, styles),
+        "observables": list(observable_charts(source, styles)),
+        "maps": field_maps(source),
+        "left_out": n_fields(source) - MOST_MAPS,
+        "table": model_table(source),
+    }
 
 
-_OBSERVABLES = (
-    "What the pressures and gaps show beyond their averages, at the nominal "
-    "pressure chosen above; thin and dotted, Persson’s theory."
-)
-_MAPS = (
-    "The pressure in single states, white out of contact; lines appear as stripes. Fields "
-    f"finer than {MOST_POINTS} points a side are averaged over squares."
-)
-_SCALE = (
-    f'<div class="scale" style="background:linear-gradient(to right,'
-    f'{",".join(f"{colour} {100 * at:g}%" for at, colour in COLOURS)})" role="img" '
-    'aria-label="Colours from white at no pressure to dark blue at E*ξ and above"></div>'
-    '<p class="scale-words" aria-hidden="true"><span>σ/(E*ξ) = 0</span><span>½</span>'
-    "<span>≥ 1</span></p>"
-)
-_TOOLS = {"xaxis": "x", "yaxis": "y", "reset": "whole range", "save": "save the picture"}
-
-
-def _charts(place: int, stem: str, charts: Sequence[Chart]) -> str:
-    drawn = "".join(_chart(f"file-{place}-{c.key}", f"{stem}-{c.key}", c) for c in charts)
-    return f'<div class="charts">{drawn}</div>'
-
-
-def _chart(key: str, name: str, chart: Chart) -> str:
-    tools = "".join(
-        f'<button type="button" data-do="{action}">{words}</button>'
-        for action, words in _TOOLS.items()
-    )
-    return (
-        f'<figure class="chart" id="{escape(key)}" data-name="{escape(name)}">'
-        f"<figcaption>{chart.title}</figcaption>"
-        f'<div class="plot" role="img" aria-label="{escape(chart.label)}"></div>'
-        f'<div class="tools" hidden>{tools}</div>'
-        f'<script type="application/json">{chart.content}</script></figure>\n'
-    )
-
-
-def _map(key: str, drawn: Map) -> str:
-    shape = " stripe" if drawn.is_line else ""
-    return (
-        f'<figure class="map{shape}" id="{key}" data-model="{escape(drawn.model)}" '
-        f'data-experiment="{escape(drawn.experiment)}"><figcaption>{drawn.title}</figcaption>'
-        f'<img src="{drawn.address}" alt="{escape(drawn.label)}"></figure>\n'
-    )
-
-
-# -- warnings ----------------------------------------------------------------------------
-
-
-def _warnings(found: Sequence[Remark], named: Mapping[str, str]) -> str:
-    if not found:
-        return "<p>None.</p>"
-    groups: dict[tuple[Severity, str], list[Remark]] = {}
+def _by_topic(found: Sequence[Remark]) -> list[tuple[Remark, str, list[Remark]]]:
+    """Return the first remark on every topic, what the topic means, and all of them."""
+    topics: dict[str, list[Remark]] = {}
     for remark in found:
-        groups.setdefault((remark.severity, remark.topic), []).append(remark)
-    return "\n".join(
-        f'<section class="remarks {severity.value}">'
-        f"<h3>{_MARKS[severity]} {escape(topic)}</h3><p>{escape(ABOUT[topic])}</p>"
-        f"{_listed(group, named)}</section>"
-        for (severity, topic), group in groups.items()
-    )
-
-
-def _listed(group: Sequence[Remark], named: Mapping[str, str]) -> str:
-    listed = f"<ul>{''.join(_remark(remark, named) for remark in group)}</ul>"
-    if len(group) <= MOST_REMARKS:
-        return listed
-    return f"<details><summary>{len(group)} places</summary>{listed}</details>"
-
-
-_MARKS = {
-    Severity.WARNING: '<span class="mark" role="img" aria-label="warning">▲</span>',
-    Severity.NOTE: '<span class="mark" role="img" aria-label="note">●</span>',
-}
-
-
-def _remark(remark: Remark, named: Mapping[str, str]) -> str:
-    where = named.get(remark.where) or escape(remark.where)
-    return f'<li><span class="where">{where}</span> {escape(remark.text)}</li>'
+        topics.setdefault(remark.topic, []).append(remark)
+    return [(group[0], ABOUT[topic], group) for topic, group in topics.items()]

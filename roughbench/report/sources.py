@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from roughbench.errors import StoreError
 from roughbench.figures.words import experiment_label, smallest_wavevector, titles
-from roughbench.report.markup import escape, from_mathtext
+from roughbench.report.text import RichText, Span, from_mathtext, joined
 from roughbench.results import ModelResult, Results
 from roughbench.store import load
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Source:
+class ReportSource:
     """One results file.
 
     Attributes
@@ -27,43 +27,51 @@ class Source:
     name: str
     results: Results
 
+    @property
+    def stem(self) -> str:
+        """Name of the file without folders and ending."""
+        return PurePosixPath(self.name).stem
+
+    @property
+    def has_sweep(self) -> bool:
+        """Whether there are several experiments, which have to be told apart."""
+        return len(self.results) > 1
+
     def models(self) -> Iterator[tuple[str, ModelResult]]:
         """Yield every (experiment, result), in the order of the spec."""
         return self.results.models()
 
-    def experiment(self, name: str) -> str:
-        """Return how an experiment is called on the page, as HTML."""
-        return experiment_html(name, smallest_wavevector(self.results, name))
+    def by_label(self) -> dict[str, list[ModelResult]]:
+        """Return the results of each model in all experiments."""
+        found: dict[str, list[ModelResult]] = {}
+        for _, result in self.models():
+            found.setdefault(result.label, []).append(result)
+        return found
+
+    def experiment(self, name: str) -> RichText:
+        """Return what an experiment is called on the page."""
+        return experiment_text(name, smallest_wavevector(self.results, name))
 
     def title(self, label: str) -> str:
         """Return what a model is called on the page: its title, which tells it from others."""
-        found = {result.label: result for _, result in self.models()}
-        return titles(found)[label]
+        return titles({result.label: result for _, result in self.models()})[label]
 
-    def has(self, reference: str | None) -> str | None:
-        """Return a label if all experiments have a model of this name, else None."""
-        known = all(reference in models for models in self.results.values())
-        return reference if known else None
+    def curve_name(self, experiment: str, label: str) -> RichText:
+        """Return the title of a model, and its experiment if there are several."""
+        swept = [self.experiment(experiment)] * self.has_sweep
+        return joined([self.title(label), *swept])
 
 
-def read_sources(paths: Sequence[Path]) -> list[Source]:
-    """Read results files.
-
-    Parameters
-    ----------
-    paths : sequence of Path
-
-    Returns
-    -------
-    list of Source
-        In the order given.
+def read_sources(paths: Sequence[Path]) -> list[ReportSource]:
+    """Read results files, in the order given.
 
     Raises
     ------
     StoreError
         If a file is missing, damaged or none of roughbench, or is given twice.
     """
-    return [Source(name, load(path)) for name, path in zip(names_of(paths), paths, strict=True)]
+    names = names_of(paths)
+    return [ReportSource(name, load(path)) for name, path in zip(names, paths, strict=True)]
 
 
 def names_of(paths: Sequence[Path]) -> list[str]:
@@ -88,43 +96,56 @@ def _name(own: tuple[str, ...], others: Sequence[tuple[str, ...]]) -> str:
     return "/".join(own[-length:])
 
 
-def experiment_html(experiment: str, q_min: float | None = None) -> str:
-    r"""Return the name of an experiment as HTML, ``main`` for the only one.
+def experiment_text(experiment: str, q_min: float | None = None) -> RichText:
+    r"""Return the name of an experiment, ``main`` for the only one.
 
     Other wavevectors are divided by ``q_min``, q0, where it is known.
 
     Examples
     --------
-    >>> experiment_html("surface.length=12.566370614359172")
-    'L\xa0=\xa012.5664'
+    >>> experiment_text("surface.length=12.566370614359172")
+    [Span(text='L\xa0=\xa012.5664', style='')]
     """
-    label = experiment_label(experiment, q_min)
-    return from_mathtext(label).replace(" = ", "\xa0=\xa0") or "main"
+    label = experiment_label(experiment, q_min).replace(" = ", "\xa0=\xa0")
+    return from_mathtext(label) or [Span("main")]
 
 
-def full_places(sources: Sequence[Source]) -> dict[str, str]:
-    """Return what warnings call a model, always with its file → the same as HTML."""
-    return {
-        f"{source.name}: {experiment}/{result.label}": ", ".join(
-            [escape(source.name)]
-            + [source.experiment(experiment)] * (len(source.results) > 1)
-            + [escape(source.title(result.label))]
-        )
-        for source in sources
-        for experiment, result in source.models()
-    }
+@dataclass(frozen=True, slots=True)
+class Place:
+    """What a verdict or a warning calls ``file: experiment/label``, as the page shows it.
+
+    Attributes
+    ----------
+    model : str
+        Title of the model.
+    details : RichText
+        Experiment and file, each where there are several.
+    full : RichText
+        File, experiment where there are several, and model.
+    """
+
+    model: str
+    details: RichText
+    full: RichText
 
 
-def places(sources: Sequence[Source]) -> dict[str, str]:
-    """Return what verdicts call a model, with and without its file → the same as HTML."""
+def places(sources: Sequence[ReportSource]) -> Mapping[str, Place]:
+    """Return the models of all files by what verdicts and warnings call them.
+
+    The name of the file may be missing where there is but one.
+    """
     found = {}
     for source in sources:
         for experiment, result in source.models():
-            words = [source.experiment(experiment)] * (len(source.results) > 1)
-            words += [escape(source.name)] * (len(sources) > 1)
-            text = escape(source.title(result.label))
-            if words:
-                text += f', <span class="muted">{", ".join(words)}</span>'
+            swept = [source.experiment(experiment)] * source.has_sweep
+            title = source.title(result.label)
+            place = Place(
+                title,
+                joined([*swept, *([source.name] * (len(sources) > 1))]),
+                joined([source.name, *swept, title]),
+            )
             name = f"{experiment}/{result.label}"
-            found[f"{source.name}: {name}" if len(sources) > 1 else name] = text
+            found[f"{source.name}: {name}"] = place
+            if len(sources) == 1:
+                found[name] = place
     return found

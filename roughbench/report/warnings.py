@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from roughbench.errors import SpecError
 from roughbench.models.base import Status
-from roughbench.report.markup import number
-from roughbench.report.sources import Source
+from roughbench.report.curves import has_quantity
+from roughbench.report.numbers import number
+from roughbench.report.sources import ReportSource
 from roughbench.results import ModelResult
 from roughbench.spec import parse_spec
 
@@ -43,10 +44,14 @@ ABOUT = {
     "Full contact": "A realization in full contact makes the mean of K infinite at these "
     "pressures. The figures show medians with 16 % and 84 % quantiles there; of models other "
     "than the exact one, throughout.",
+    "Quantities not given": "These models say nothing about them: figures and fits leave them "
+    "out, and no claim is tested on them.",
     "Models without randomness": "They are computed from the spectrum, or from given heights: "
     "their curves have no standard error.",
 }
 """Topic → what it means, in plain text."""
+_NOTES = {"Full contact", "Quantities not given", "Models without randomness"}
+"""Topics that no one needs to worry about."""
 
 
 class Severity(StrEnum):
@@ -58,58 +63,35 @@ class Severity(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Remark:
-    """One thing to know.
+    """One thing to know: on which topic, about which file, experiment and model, and what."""
 
-    Attributes
-    ----------
-    severity : Severity
-    topic : str
-        Remarks with equal topics stand together.
-    where : str
-        Plain text: file, experiment, model.
-    text : str
-        Plain text.
-    """
-
-    severity: Severity
     topic: str
     where: str
     text: str
 
+    @property
+    def severity(self) -> Severity:
+        """How much it matters."""
+        return Severity.NOTE if self.topic in _NOTES else Severity.WARNING
 
-def remarks(sources: Sequence[Source]) -> list[Remark]:
-    """Return all warnings and notes about the results.
+
+def remarks(sources: Sequence[ReportSource]) -> list[Remark]:
+    """Return all warnings and notes about the results, warnings first, by topic.
 
     The criteria are the constants of this module; the page on reports of the documentation
     names them.
-
-    Parameters
-    ----------
-    sources : sequence of Source
-
-    Returns
-    -------
-    list of Remark
-        Warnings first, by topic, in the order of the files.
     """
     found = []
     for source in sources:
         found += [*_missing_parts(source), *_different_pressures(source)]
         for experiment, result in source.models():
             where = f"{source.name}: {experiment}/{result.label}"
-            found += [
-                remark
-                for check in (_unconverged, _resolution, _few_points, _scatter, _medians)
-                for remark in check(result, where)
-            ]
+            for check in (_unconverged, _resolution, _few_points, _scatter, _quantities):
+                found += [Remark(topic, where, text) for topic, text in check(result)]
         found += _without_randomness(source)
     order = list(Severity)
     topics = list(dict.fromkeys(remark.topic for remark in found))
     return sorted(found, key=lambda r: (order.index(r.severity), topics.index(r.topic)))
-
-
-def _warning(topic: str, where: str, text: str) -> Remark:
-    return Remark(Severity.WARNING, topic, where, text)
 
 
 def at_pressures(pressure: NDArray[np.float64], chosen: NDArray[np.bool_]) -> str:
@@ -133,27 +115,33 @@ def at_pressures(pressure: NDArray[np.float64], chosen: NDArray[np.bool_]) -> st
     return f"at {len(meant)} pressures between p/E* = {lowest} and {highest}"
 
 
-def _unconverged(result: ModelResult, where: str) -> Iterator[Remark]:
+def _share(part: ArrayLike, whole: ArrayLike) -> NDArray[np.float64]:
+    """Return part / whole, 0 where one of them is not there or the whole is 0."""
+    part, whole = np.asarray(part, float), np.asarray(whole, float)
+    known = np.isfinite(part) & np.isfinite(whole) & (whole > 0.0)
+    return np.divide(part, whole, out=np.zeros(whole.shape), where=known)
+
+
+# -- one model: pairs of topic and text --------------------------------------------------
+
+
+def _unconverged(result: ModelResult) -> Iterator[tuple[str, str]]:
     if not result.n_unconverged:
         return
     status = np.asarray(result["status"])
-    pressure = np.asarray(result["pressure"], float)
-    ends = ", ".join(
-        f"{count} {words}"
-        for end, words in _ENDS.items()
-        if (count := int(np.count_nonzero(status == end)))
-    )
-    lost = (status != 0).all(axis=0)
+    counts = {name: np.count_nonzero(status == end) for end, name in _ENDS.items()}
+    ends = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
     text = (
         f"{result.n_unconverged} of {result.n_states} states did not converge ({ends}), "
-        f"{at_pressures(pressure, (status != 0).any(axis=0))}"
+        f"{at_pressures(result['pressure'], (status != 0).any(axis=0))}"
     )
+    lost = (status != 0).all(axis=0)
     if lost.any():
-        text += f"; nothing is left {at_pressures(pressure, lost)}"
-    yield _warning("States that did not converge", where, f"{text}.")
+        text += f"; nothing is left {at_pressures(result['pressure'], lost)}"
+    yield "States that did not converge", f"{text}."
 
 
-def _resolution(result: ModelResult, where: str) -> Iterator[Remark]:
+def _resolution(result: ModelResult) -> Iterator[tuple[str, str]]:
     known = result.attributes
     if not {"grid_points", "q_max", "length"} <= set(known):
         return
@@ -161,121 +149,60 @@ def _resolution(result: ModelResult, where: str) -> Iterator[Remark]:
     per_wave = float(known["grid_points"]) / waves
     wanted = _POINTS_PER_WAVE.get(result.kind, _NYQUIST)
     if per_wave < wanted * (1.0 - 1e-9):
-        yield _warning(
-            "Coarse grids",
-            where,
-            f"{number(per_wave)} points on the shortest wave 2π/q₁, fewer than "
-            f"{number(wanted)}.",
-        )
+        points = f"{number(per_wave)} points on the shortest wave 2π/q₁"
+        yield "Coarse grids", f"{points}, fewer than {number(wanted)}."
 
 
-def _few_points(result: ModelResult, where: str) -> Iterator[Remark]:
-    if "area_raw_mean" not in result or "grid_points" not in result.attributes:
+def _few_points(result: ModelResult) -> Iterator[tuple[str, str]]:
+    is_counted = {"area_raw_mean", "area_mean"} <= set(result)
+    if not is_counted or "grid_points" not in result.attributes:
         return
-    pressure = np.asarray(result["pressure"], float)
-    raw = np.asarray(result["area_raw_mean"], float)
-    area = np.asarray(result["area_mean"], float)
+    raw, area = (np.asarray(result[f"{name}_mean"], float) for name in ("area_raw", "area"))
     points = raw * float(result.attributes["grid_points"]) ** 2
     few = (points > 0.0) & (points < FEWEST_CONTACT_POINTS)
     if few.any():
-        yield _warning(
-            "Contacts of few points",
-            where,
+        text = (
             f"fewer than {FEWEST_CONTACT_POINTS} points of the grid touch "
-            f"{at_pressures(pressure, few)} (on average, down to "
-            f"{number(points[few].min(), 2)}).",
+            f"{at_pressures(result['pressure'], few)} (on average, down to "
+            f"{number(points[few].min(), 2)})."
         )
-    known = np.isfinite(raw) & np.isfinite(area) & (area > 0.0)
-    share = np.zeros(raw.shape)
-    share[known] = np.abs(raw[known] - area[known]) / area[known]
+        yield "Contacts of few points", text
+    share = _share(np.abs(raw - area), area)
     large = share > LARGE_CORRECTION
     if large.any():
-        yield _warning(
-            "Contacts of few points",
-            where,
+        text = (
             "the area counted in points and the one corrected for the perimeter differ by "
-            f"up to {100.0 * share.max():.0f} % {at_pressures(pressure, large)}.",
+            f"up to {100.0 * share.max():.0f} % {at_pressures(result['pressure'], large)}."
         )
+        yield "Contacts of few points", text
 
 
-def _scatter(result: ModelResult, where: str) -> Iterator[Remark]:
+def _scatter(result: ModelResult) -> Iterator[tuple[str, str]]:
     if not is_random(result):
         return
     many = result.n_realizations
     if many < FEWEST_REALIZATIONS:
-        plural = "realizations" if many > 1 else "realization"
-        yield _warning(
-            "Few realizations",
-            where,
-            f"{many} {plural}.",
-        )
-    pressure = np.asarray(result["pressure"], float)
+        yield "Few realizations", f"{many} realization{'s' * (many > 1)}."
     parts = []
-    for quantity, words in _QUANTITIES.items():
-        mean = np.asarray(result[f"{quantity}_mean"], float)
-        error = np.asarray(result[f"{quantity}_sem"], float)
-        known = np.isfinite(mean) & np.isfinite(error) & (mean > 0.0)
-        share = np.zeros(mean.shape)
-        share[known] = error[known] / mean[known]
-        large = share > LARGE_ERROR
-        if large.any():
-            place = at_pressures(pressure, large)
-            parts.append(f"{words} {place} (up to {100.0 * share.max():.0f} %)")
+    for quantity, symbol in _QUANTITIES.items():
+        if has_quantity(result, quantity):
+            share = _share(result[f"{quantity}_sem"], result[f"{quantity}_mean"])
+            if (large := share > LARGE_ERROR).any():
+                place = at_pressures(result["pressure"], large)
+                parts.append(f"{symbol} {place} (up to {100.0 * share.max():.0f} %)")
     if parts:
-        yield _warning("Large standard errors", where, f"{'; '.join(parts)}.")
+        yield "Large standard errors", f"{'; '.join(parts)}."
 
 
-def _medians(result: ModelResult, where: str) -> Iterator[Remark]:
-    infinite = np.isinf(np.asarray(result["stiffness_mean"], float))
-    if result.n_realizations > 1 and infinite.any():
-        yield Remark(
-            Severity.NOTE,
-            "Full contact",
-            where,
-            f"{at_pressures(np.asarray(result['pressure'], float), infinite)}.",
-        )
-
-
-def _missing_parts(source: Source) -> Iterator[Remark]:
-    try:
-        spec = parse_spec(source.results.spec_text)
-        experiments = spec.experiments()
-    except SpecError:
-        yield _warning(
-            "Missing parts",
-            source.name,
-            "the spec in the file cannot be read, so nothing tells what is missing.",
-        )
-        return
-    for experiment, wanted in experiments:
-        models = source.results.experiments.get(experiment, {})
-        for model in wanted.models:
-            where = f"{source.name}: {experiment}/{model.name}"
-            if model.name not in models:
-                yield _warning("Missing parts", where, "is in the spec, but not in the file.")
-                continue
-            there = np.asarray(models[model.name]["pressure"], float)
-            asked = np.asarray(wanted.pressures)
-            absent = ~np.isclose(asked[:, None], there[None, :], rtol=1e-9).any(axis=1)
-            if absent.any():
-                yield _warning(
-                    "Missing pressures",
-                    where,
-                    f"the spec asks for states {at_pressures(asked, absent)} that are not "
-                    "in the file.",
-                )
-
-
-def _different_pressures(source: Source) -> Iterator[Remark]:
-    for experiment, models in source.results.items():
-        lists = {label: result["pressure"].tobytes() for label, result in models.items()}
-        if len(set(lists.values())) > 1:
-            yield _warning(
-                "Missing pressures",
-                f"{source.name}: {experiment}",
-                "the models have different pressures; those with others than the reference "
-                "are not compared with it.",
-            )
+def _quantities(result: ModelResult) -> Iterator[tuple[str, str]]:
+    """Yield at which pressures K is infinite, and what is not given at all."""
+    if has_quantity(result, "stiffness") and result.n_realizations > 1:
+        infinite = np.isinf(result["stiffness_mean"])
+        if infinite.any():
+            yield "Full contact", f"{at_pressures(result['pressure'], infinite)}."
+    absent = [name for key, name in _QUANTITIES.items() if not has_quantity(result, key)]
+    if absent:
+        yield "Quantities not given", f"{', '.join(absent)}."
 
 
 def is_random(result: ModelResult) -> bool:
@@ -283,12 +210,42 @@ def is_random(result: ModelResult) -> bool:
     return "grid_points" in result.attributes and result.attributes["surface"] != "file"
 
 
-def _without_randomness(source: Source) -> Iterator[Remark]:
-    labels = list(dict.fromkeys(r.label for _, r in source.models() if not is_random(r)))
+# -- one file ----------------------------------------------------------------------------
+
+
+def _missing_parts(source: ReportSource) -> Iterator[Remark]:
+    try:
+        experiments = parse_spec(source.results.spec_text).experiments()
+    except SpecError:
+        text = "the spec in the file cannot be read, so nothing tells what is missing."
+        yield Remark("Missing parts", source.name, text)
+        return
+    for experiment, wanted in experiments:
+        models = source.results.experiments.get(experiment, {})
+        for model in wanted.models:
+            where = f"{source.name}: {experiment}/{model.name}"
+            if model.name not in models:
+                yield Remark("Missing parts", where, "is in the spec, but not in the file.")
+                continue
+            there, asked = models[model.name]["pressure"], np.asarray(wanted.pressures)
+            absent = ~np.isclose(asked[:, None], there[None, :], rtol=1e-9).any(axis=1)
+            if absent.any():
+                missing = f"states {at_pressures(asked, absent)} that are not in the file."
+                yield Remark("Missing pressures", where, f"the spec asks for {missing}")
+
+
+def _different_pressures(source: ReportSource) -> Iterator[Remark]:
+    for experiment, models in source.results.items():
+        if len({result["pressure"].tobytes() for result in models.values()}) > 1:
+            yield Remark(
+                "Missing pressures",
+                f"{source.name}: {experiment}",
+                "the models have different pressures; those with others than the reference "
+                "are not compared with it.",
+            )
+
+
+def _without_randomness(source: ReportSource) -> Iterator[Remark]:
+    labels = dict.fromkeys(r.label for _, r in source.models() if not is_random(r))
     if labels:
-        yield Remark(
-            Severity.NOTE,
-            "Models without randomness",
-            source.name,
-            f"{', '.join(labels)}.",
-        )
+        yield Remark("Models without randomness", source.name, f"{', '.join(labels)}.")

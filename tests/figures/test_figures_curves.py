@@ -12,8 +12,8 @@ from roughbench.figures.curves import curve_of, full_contact_pressure
 from roughbench.figures.looks import experiment_shades, looks
 from roughbench.figures.words import experiment_label, height_remark, model_names
 from roughbench.models import MODELS
-from roughbench.report.looks import model_looks
-from roughbench.report.sources import Source
+from roughbench.report.sources import ReportSource
+from roughbench.report.styles import page_styles
 from roughbench.results import ModelResult, Results
 
 Make = Callable[..., ModelResult]
@@ -102,7 +102,7 @@ def test_all_contenders_and_their_variants_are_told_apart(make: Make, collect: C
 def test_figures_and_reports_have_one_colour_for_a_model(make: Make, collect: Collect) -> None:
     models = [make(kind, label=f"{kind}{i}") for kind in MODELS for i in range(2)]
     results = collect(*models)
-    printed, shown = looks(results), model_looks([Source("r.h5", results)])
+    printed, shown = looks(results), page_styles([ReportSource("r.h5", results)])
     assert {name: look.colour for name, look in printed.items()} == {
         name: look.colour for name, look in shown.items()
     }

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import roughbench as rb
-from roughbench.report.page import Content, render
-from roughbench.report.sources import Source
+from roughbench.report.page import render
+from roughbench.report.sources import ReportSource
 from roughbench.results import ModelResult, Results
 from roughbench.verdict import Measurement, Outcome, Verdict, cases_of
 
@@ -106,12 +106,12 @@ def page_of(
 ) -> str:
     """Return the page on results, under the names small.h5, 2-small.h5 and so on."""
     sources = [
-        Source(f"{number}-{name}" if number > 1 else name, content)
+        ReportSource(f"{number}-{name}" if number > 1 else name, content)
         for number, content in enumerate(results, 1)
     ]
     cases = cases_of([(source.name, source.results) for source in sources], None, RESAMPLES)
     given = [a_verdict(1)] if verdicts is None else verdicts
-    return render(Content(sources, given, cases, None, RESAMPLES))
+    return render(sources, given, cases, resamples=RESAMPLES)
 
 
 class Page(HTMLParser):

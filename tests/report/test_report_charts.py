@@ -12,31 +12,29 @@ import pytest
 from matplotlib.image import imread
 
 from roughbench.figures.curves import curve_of
-from roughbench.report.charts import Chart
-from roughbench.report.curves import PLOTS, curve_charts
-from roughbench.report.looks import experiment_dashes, model_looks
+from roughbench.report.charts import ReportChart
+from roughbench.report.curves import PRESSURE_CHARTS, pressure_charts
 from roughbench.report.maps import MOST_MAPS, MOST_POINTS, field_maps
 from roughbench.report.observables import (
     drawn_pressures,
     observable_charts,
 )
-from roughbench.report.sources import Source
+from roughbench.report.sources import ReportSource
+from roughbench.report.styles import experiment_dashes, page_styles
+from roughbench.report.text import plotly_text
 from roughbench.results import Results
 from tests.report.conftest import EXPERIMENTS, LABELS, Change, Page, page_of
 
 
-def parsed(chart: Chart) -> dict[str, Any]:
-    def refuse(name: str) -> float:
-        raise AssertionError(f"{name} is no JSON")
-
-    content: dict[str, Any] = json.loads(chart.content, parse_constant=refuse)
-    return content
+def parsed(chart: ReportChart) -> dict[str, Any]:
+    data: dict[str, Any] = json.loads(json.dumps(chart.data, allow_nan=False))
+    return data
 
 
 def charts_of(results: Results) -> dict[str, dict[str, Any]]:
-    source = Source("r.h5", results)
-    looks = model_looks([source])
-    charts = [*curve_charts(source, looks), *observable_charts(source, looks)]
+    source = ReportSource("r.h5", results)
+    styles = page_styles([source])
+    charts = [*pressure_charts(source, styles), *observable_charts(source, styles)]
     return {chart.key: parsed(chart) for chart in charts}
 
 
@@ -46,7 +44,7 @@ def curves(chart: dict[str, Any], **meta: str) -> list[dict[str, Any]]:
 
 def test_every_quantity_has_a_chart_with_every_curve(small: Results) -> None:
     charts = charts_of(small)
-    assert list(charts) == [plot.key for plot in PLOTS]
+    assert list(charts) == [plot.key for plot in PRESSURE_CHARTS]
     for chart in charts.values():
         found = [(t["meta"]["experiment"], t["meta"]["model"]) for t in curves(chart)]
         assert found == [(e, m) for e in EXPERIMENTS for m in LABELS]
@@ -119,10 +117,10 @@ def test_full_contact_is_no_point_and_no_zoom(small: Results, change: Change) ->
 
 def test_models_look_different_and_the_same_in_all_files(small: Results) -> None:
     other = Results({"main": dict(reversed(list(small["surface.qr=1.0"].items())))}, "", "")
-    looks = model_looks([Source("a", small), Source("b", other)])
-    assert list(looks) == list(LABELS)
-    assert len({(look.colour, look.symbol) for look in looks.values()}) == 3
-    assert model_looks([Source("a", small)]) == looks
+    styles = page_styles([ReportSource("a", small), ReportSource("b", other)])
+    assert list(styles) == list(LABELS)
+    assert len({(style.colour, style.symbol) for style in styles.values()}) == 3
+    assert page_styles([ReportSource("a", small)]) == styles
     assert len(set(experiment_dashes(EXPERIMENTS).values())) == 2
 
 
@@ -193,11 +191,11 @@ def test_spectra_of_lines_stand_for_those_of_surfaces(small: Results, change: Ch
 def test_only_some_of_many_pressures_are_drawn(small: Results, change: Change) -> None:
     pressure = np.geomspace(1e-4, 1.0, 40)
     changed = change(small, pressure=pressure, clusters_bin=np.ones(2))
-    chosen = drawn_pressures(Source("r.h5", changed))
+    chosen = drawn_pressures(ReportSource("r.h5", changed))
     assert len(chosen) == 8
     assert chosen[0] == pressure[0]
     assert chosen[-1] == pressure[-1]
-    assert drawn_pressures(Source("r.h5", small)) == []
+    assert drawn_pressures(ReportSource("r.h5", small)) == []
 
 
 def test_fields_become_maps(small: Results, change: Change) -> None:
@@ -210,8 +208,8 @@ def test_fields_become_maps(small: Results, change: Change) -> None:
         field_realization=np.array([3]),
         field_nominal_pressure=np.array([0.01]),
     )
-    maps = field_maps(Source("r.h5", changed))
-    assert [one.title for one in maps] == [
+    maps = field_maps(ReportSource("r.h5", changed))
+    assert [plotly_text(one.title) for one in maps] == [
         f"Exact (BEM), q<sub>r</sub>/q<sub>0</sub>\xa0=\xa0{qr}, p/E* = 0.01, realization 3"
         for qr in (1, 4)
     ]
@@ -222,7 +220,7 @@ def test_fields_become_maps(small: Results, change: Change) -> None:
     }
     assert touching == {(0, 1), (2, 2)}  # whatever touches is seen
     assert pixels[0, 1] == pytest.approx(np.array([0x1D, 0x2A, 0x5E]) / 255.0)
-    assert field_maps(Source("r.h5", small)) == []
+    assert field_maps(ReportSource("r.h5", small)) == []
 
 
 def test_maps_stand_on_the_page_and_more_are_counted(small: Results, change: Change) -> None:
@@ -237,6 +235,6 @@ def test_maps_stand_on_the_page_and_more_are_counted(small: Results, change: Cha
 
 def test_a_stripe_is_a_line(small: Results, change: Change) -> None:
     changed = change(small, field_pressure=np.full((1, 16), 0.05))
-    first = field_maps(Source("r.h5", changed))[0]
+    first = field_maps(ReportSource("r.h5", changed))[0]
     assert first.is_line
     assert imread(io.BytesIO(first.image), "png").shape[:2] == (1, 16)

@@ -13,8 +13,9 @@ from roughbench import fits
 from roughbench.errors import StoreError
 from roughbench.fits.laws import fit_laws
 from roughbench.report import make_report, read_sources
-from roughbench.report.markup import number, with_error
+from roughbench.report.numbers import number, with_error
 from roughbench.report.sources import names_of, places
+from roughbench.report.text import plotly_text
 from roughbench.results import ModelResult, Results
 from roughbench.verdict import Outcome, judge
 from tests.report.conftest import (
@@ -112,10 +113,13 @@ def test_a_place_is_named_as_in_the_figures(results_file: Path, tmp_path: Path) 
     other = tmp_path / "other.h5"
     other.write_bytes(results_file.read_bytes())
     sources = read_sources([results_file, other])
-    assert places(sources)["other.h5: surface.qr=4.0/bem"] == (
-        'Exact (BEM), <span class="muted">'
-        "q<sub>r</sub>/q<sub>0</sub>\xa0=\xa04, other.h5</span>"
-    )
+    place = places(sources)["other.h5: surface.qr=4.0/bem"]
+    experiment = "q<sub>r</sub>/q<sub>0</sub>\xa0=\xa04"
+    assert place.model == "Exact (BEM)"
+    assert plotly_text(place.details) == f"{experiment}, other.h5"
+    assert plotly_text(place.full) == f"other.h5, {experiment}, Exact (BEM)"
+    page = make_report([results_file, other], resamples=RESAMPLES)
+    assert f'Exact (BEM), <span class="muted">{experiment}, other.h5</span>' in page
     verdicts = judge([(s.name, s.results) for s in sources], resamples=RESAMPLES)
     named = {m.where for verdict in verdicts for m in verdict.measurements}
     assert named

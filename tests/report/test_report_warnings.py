@@ -10,8 +10,8 @@ import pytest
 
 import roughbench as rb
 from roughbench.figures.rebuild import spec_fault
-from roughbench.report.markup import number
-from roughbench.report.sources import Source
+from roughbench.report.numbers import number
+from roughbench.report.sources import ReportSource
 from roughbench.report.warnings import ABOUT, Remark, Severity, at_pressures, remarks
 from roughbench.results import Results
 from tests.report.conftest import Change, Page, page_of
@@ -34,13 +34,13 @@ def sound(small: Results, change: Change) -> Results:
 
 
 def warned(results: Results) -> list[Remark]:
-    found = remarks([Source("r.h5", results)])
+    found = remarks([ReportSource("r.h5", results)])
     assert {remark.topic for remark in found} <= set(ABOUT)
     return [remark for remark in found if remark.severity is Severity.WARNING]
 
 
 def test_sound_results_give_no_warning_but_say_what_has_no_error(sound: Results) -> None:
-    found = remarks([Source("r.h5", sound)])
+    found = remarks([ReportSource("r.h5", sound)])
     assert [(r.severity, r.topic, r.text) for r in found] == [
         (Severity.NOTE, "Models without randomness", "persson.")
     ]
@@ -129,7 +129,7 @@ def test_large_standard_errors(sound: Results, change: Change) -> None:
 def test_full_contact_is_a_note(sound: Results, change: Change) -> None:
     mean = np.array(sound["surface.qr=1.0"]["bem"]["stiffness_mean"])
     mean[-1] = np.inf
-    found = remarks([Source("r.h5", change(sound, stiffness_mean=mean))])
+    found = remarks([ReportSource("r.h5", change(sound, stiffness_mean=mean))])
     notes = [remark for remark in found if remark.topic == "Full contact"]
     assert [remark.severity for remark in notes] == [Severity.NOTE] * 2
     assert notes[0].text == "at p/E* = 0.1."

@@ -1,0 +1,92 @@
+"""Numbers as they stand in a text."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+_SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+
+
+def number(value: float, digits: int = 3) -> str:
+    """Return a number with so many significant digits.
+
+    Examples
+    --------
+    >>> number(1.6e-5), number(-0.25), number(math.inf), number(math.nan), number(2048, 4)
+    ('1.6·10⁻⁵', '−0.25', '∞', '–', '2048')
+    """
+    if math.isnan(value):
+        return "–"
+    if math.isinf(value):
+        return "∞" if value > 0 else "−∞"
+    if value == 0.0:
+        return "0"
+    power = math.floor(math.log10(abs(value)))
+    text = f"{value:.{digits}g}"
+    if -4 < power < max(4, digits + 1):
+        return (f"{value:.0f}" if "e" in text else text).replace("-", "−")
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    if "." in mantissa:
+        mantissa = mantissa.rstrip("0").rstrip(".")
+    times = "" if mantissa in ("1", "-1") else f"{mantissa}·"
+    sign = "-" if mantissa == "-1" else ""
+    return f"{sign}{times}{_power(int(exponent))}".replace("-", "−")
+
+
+def with_error(value: float, error: float, digits: int = 3) -> str:
+    """Return value ± error, both to the second digit of the error.
+
+    Parameters
+    ----------
+    value, error : float
+        nan: there is none.
+    digits : int
+        Significant digits of a value without an error.
+
+    Examples
+    --------
+    >>> with_error(2.0512, 0.0231), with_error(1.234e-5, 2.2e-7), with_error(1.5, math.nan)
+    ('2.051 ± 0.023', '(1.234 ± 0.022)·10⁻⁵', '1.5')
+    """
+    if not (math.isfinite(value) and math.isfinite(error) and error > 0.0):
+        return number(value, digits)
+    power = math.floor(math.log10(max(abs(value), error)))
+    if -4 < power < 4:
+        power = 0
+    places = max(0, 1 - math.floor(math.log10(error)) + power)
+    if places > 12:  # an error of rounding only
+        return number(value, digits)
+    scale = 10.0**power
+    text = f"{value / scale:.{places}f} ± {error / scale:.{places}f}".replace("-", "−")
+    return f"({text})·{_power(power)}" if power else text
+
+
+def measured(value: float, error: float, bound: str = "") -> str:
+    """Return value ± error after its bound, "≤" or "≥"; nothing bounds what is not there.
+
+    Examples
+    --------
+    >>> measured(2.0, 0.1, "≥"), measured(math.nan, math.nan, "≥")
+    ('≥ 2.00 ± 0.10', '–')
+    """
+    text = with_error(value, error)
+    return f"{bound} {text}" if bound and math.isfinite(value) else text
+
+
+def _power(exponent: int) -> str:
+    return f"10{str(exponent).translate(_SUPERSCRIPTS)}"
+
+
+def series(values: Iterable[float], digits: int = 3, most: int = 6) -> str:
+    """Return a list of numbers; of a long one the ends and how many there are.
+
+    Examples
+    --------
+    >>> series([8.0, 1.0, 1.0]), series(range(1, 21))
+    ('1, 8', '1 … 20 (20 values)')
+    """
+    found = sorted(set(values))
+    if len(found) <= most:
+        return ", ".join(number(value, digits) for value in found)
+    return f"{number(found[0], digits)} … {number(found[-1], digits)} ({len(found)} values)"

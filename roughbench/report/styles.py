@@ -1,0 +1,63 @@
+"""How models and experiments look in the charts: colour and symbol, and dashes.
+
+The templates know how the legend draws each symbol and each pattern of dashes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from roughbench.figures.looks import PERSSON, model_colours
+from roughbench.report.sources import ReportSource
+
+SYMBOLS = (
+    "square-open",
+    "circle",
+    "triangle-up",
+    "diamond",
+    "triangle-down",
+    "x",
+    "cross",
+    "pentagon",
+    "star-triangle-up",
+    "hourglass",
+    "triangle-left",
+    "triangle-right",
+)
+"""plotly's names of markers."""
+DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")
+"""plotly's names of dashes."""
+THEORY_COLOUR = PERSSON.colour
+"""Of Persson's theory, drawn beside the observables of a model."""
+
+
+@dataclass(frozen=True, slots=True)
+class PageStyle:
+    """How a model is drawn.
+
+    Attributes
+    ----------
+    colour : str
+        ``#RRGGBB``.
+    symbol : str
+        One of :data:`SYMBOLS`.
+    """
+
+    colour: str
+    symbol: str
+
+
+def page_styles(sources: Sequence[ReportSource]) -> dict[str, PageStyle]:
+    """Return a style for every label, the same in all files."""
+    kinds = {result.label: result.kind for source in sources for _, result in source.models()}
+    colours = model_colours(kinds)
+    return {
+        label: PageStyle(colours[label], SYMBOLS[place % len(SYMBOLS)])
+        for place, label in enumerate(kinds)
+    }
+
+
+def experiment_dashes(experiments: Iterable[str]) -> dict[str, str]:
+    """Return the dashes of every experiment of a file, solid for the first."""
+    return {name: DASHES[place % len(DASHES)] for place, name in enumerate(experiments)}
