@@ -75,6 +75,6 @@ class HeightsOrSpectrum(GridModel):
         """Surfaces, or the spectrum alone."""
         return 2 if self.uses_heights else 0
 
-    def idle(self) -> Mapping[str, str]:
+    def unused_options(self) -> Mapping[str, str]:
         """Without heights, their grid."""
         return {} if self.uses_heights else {"grid": self.idle_grid}

@@ -196,7 +196,7 @@ class Model(BaseModel, ABC):
         """Label of the model in the results."""
         return self.label or self.kind
 
-    def idle(self) -> Mapping[str, str]:
+    def unused_options(self) -> Mapping[str, str]:
         """Options that change nothing beside the others, each with what to do about it."""
         return {}
 

@@ -412,7 +412,7 @@ class Persson(Model):
         "default: the error function of Persson's theory, as 1.",
     )
 
-    def idle(self) -> Mapping[str, str]:
+    def unused_options(self) -> Mapping[str, str]:
         """θ and m, where the finite-size stiffness does not use them."""
         needs = {"theta": ("max", "blend"), "m": ("blend",)}
         return {

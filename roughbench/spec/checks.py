@@ -97,7 +97,7 @@ def _deterministic(models: Numbered) -> Iterator[Finding]:
 
 def _without_effect(models: Numbered) -> Iterator[Finding]:
     for number, model in models:
-        for option, message in model.idle().items():
+        for option, message in model.unused_options().items():
             if option in model.model_fields_set:
                 yield Finding(("models", number, option), message)
 

@@ -142,8 +142,8 @@ def test_the_top_of_the_spectrum_is_that_of_surfaces_without_many_scales() -> No
 def test_options_and_refusals() -> None:
     spec = spectrum()
     assert (HertzTop().dimension, HertzTop(radius="spectrum").dimension) == (2, 0)
-    assert HertzTop().idle() == {}
-    assert "grid" in HertzTop(radius="spectrum").idle()
+    assert HertzTop().unused_options() == {}
+    assert "grid" in HertzTop(radius="spectrum").unused_options()
     assert HertzTop(radius="spectrum").title != HertzTop().title
     assert HertzTop().grid_points(spec, SIDE) == 256
     with pytest.raises(SurfaceError, match="needs a spectrum"):

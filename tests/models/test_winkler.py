@@ -233,8 +233,8 @@ def test_ensemble_agrees_with_the_prototype() -> None:
 def test_options_choose_the_sample() -> None:
     assert (Winkler().dimension, Winkler(heights="gaussian").dimension) == (2, 0)
     assert "Gaussian" in Winkler(heights="gaussian").title
-    assert Winkler().idle() == {}
-    assert "grid" in Winkler(heights="gaussian").idle()
+    assert Winkler().unused_options() == {}
+    assert "grid" in Winkler(heights="gaussian").unused_options()
     with pytest.raises(SurfaceError, match="too coarse"):
         Winkler(grid=16).grid_points(spectrum(1, 16), SIDE)
     heights = surface()
