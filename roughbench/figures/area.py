@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from roughbench.figures.labels import unconverged_remarks
 from roughbench.figures.panel import draw_panel, legend_handles, limit_to_curves
 from roughbench.figures.style import footnote, legend_above, new_figure
-from roughbench.figures.words import unconverged_remarks
 from roughbench.results import Results
 
 if TYPE_CHECKING:

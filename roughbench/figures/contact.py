@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from roughbench.figures.labels import MODULUS, experiment_labels, number_text, titles
 from roughbench.figures.style import footnote, new_figure
-from roughbench.figures.words import MODULUS, experiment_labels, number_text, titles
 from roughbench.results import Results
 
 if TYPE_CHECKING:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from roughbench.figures import area, separation
+from roughbench.figures.labels import height_remark, unconverged_remarks
 from roughbench.figures.panel import legend_handles
 from roughbench.figures.style import footnote, legend_above, letter, new_figure
-from roughbench.figures.words import height_remark, unconverged_remarks
 from roughbench.results import Results
 
 if TYPE_CHECKING:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from roughbench.figures.labels import MODULUS, experiment_labels, height_remark, number_text
 from roughbench.figures.looks import FOUNDATION
 from roughbench.figures.pressed import (
     FloatArray,
@@ -27,7 +28,6 @@ from roughbench.figures.pressed import (
 )
 from roughbench.figures.rebuild import spec_fault
 from roughbench.figures.style import BACKGROUND, SMALL, footnote, letter, new_figure
-from roughbench.figures.words import MODULUS, experiment_labels, height_remark, number_text
 from roughbench.results import Results
 
 if TYPE_CHECKING:

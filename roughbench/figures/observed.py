@@ -15,9 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.figures.looks import PERSSON, Look, looks
-from roughbench.figures.style import footnote, legend_above, letter, new_figure
-from roughbench.figures.words import (
+from roughbench.figures.labels import (
     MODULUS,
     experiment_labels,
     height_remark,
@@ -25,6 +23,8 @@ from roughbench.figures.words import (
     titles,
     unconverged_remarks,
 )
+from roughbench.figures.looks import PERSSON, Look, looks
+from roughbench.figures.style import footnote, legend_above, letter, new_figure
 from roughbench.observables import ObservableName
 from roughbench.results import ModelResult, Results
 from roughbench.variables import variable_of

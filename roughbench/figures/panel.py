@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from roughbench.figures.curves import Curve, Quantity, curve_of, full_contact_pressure
+from roughbench.figures.labels import PRESSURE, experiment_labels, model_names
 from roughbench.figures.looks import Look, experiment_shades, lighter, looks
 from roughbench.figures.style import SMALL
-from roughbench.figures.words import PRESSURE, experiment_labels, model_names
 from roughbench.results import Results
 
 if TYPE_CHECKING:

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from roughbench.figures.curves import Curve, curve_of
+from roughbench.figures.labels import height_remark, unconverged_remarks
 from roughbench.figures.panel import draw_panel, legend_handles, limit_to_curves
 from roughbench.figures.style import footnote, legend_above, new_figure
-from roughbench.figures.words import height_remark, unconverged_remarks
 from roughbench.results import Results
 
 if TYPE_CHECKING:

@@ -18,6 +18,13 @@ import numpy as np
 
 from roughbench.figures.agreement import FACTOR, Agreement, agreement_in, departures
 from roughbench.figures.curves import curve_of, has_medians
+from roughbench.figures.labels import (
+    MODULUS,
+    experiment_labels,
+    height_remark,
+    number_text,
+    unconverged_remarks,
+)
 from roughbench.figures.panel import draw_panel, legend_handles, limit_to_curves
 from roughbench.figures.style import (
     BACKGROUND,
@@ -27,13 +34,6 @@ from roughbench.figures.style import (
     legend_above,
     letter,
     new_figure,
-)
-from roughbench.figures.words import (
-    MODULUS,
-    experiment_labels,
-    height_remark,
-    number_text,
-    unconverged_remarks,
 )
 from roughbench.results import Results
 

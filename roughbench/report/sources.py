@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from roughbench.errors import StoreError
-from roughbench.figures.words import experiment_label, smallest_wavevector, titles
+from roughbench.figures.labels import experiment_label, smallest_wavevector, titles
 from roughbench.report.text import RichText, Span, from_mathtext, joined
 from roughbench.results import ModelResult, Results
 from roughbench.store import load

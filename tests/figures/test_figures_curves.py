@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from roughbench.figures.curves import curve_of, full_contact_pressure
 from roughbench.figures.looks import experiment_shades, looks
-from roughbench.figures.words import experiment_label, height_remark, model_names
+from roughbench.figures.labels import experiment_label, height_remark, model_names
 from roughbench.models import MODELS
 from roughbench.report.sources import ReportSource
 from roughbench.report.styles import page_styles
