@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -146,6 +147,19 @@ def test_nothing_is_parsed_twice_or_missed() -> None:
     assert len(names) == len(set(names))
     seen = {target.partition(".")[0] for module in modules(ROOT) for target in imports(*module)}
     assert set(OWNERS) <= seen  # no owner of nothing
+
+
+def rooms(page: str) -> list[str]:
+    """Return the names in the table of docs/architecture.md, in its order."""
+    table = page.partition("| room |")[2].partition("\n\n")[0]
+    return re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE)
+
+
+def test_the_page_on_architecture_lists_the_folders_as_they_are() -> None:
+    page = (ROOT.parent / "docs" / "architecture.md").read_text(encoding="utf-8")
+    there = {name.partition(".")[0] for name, _ in modules(ROOT)}
+    assert rooms(page) == list(LAYERS)
+    assert set(LAYERS) == there
 
 
 def test_no_module_hides_a_public_name() -> None:

@@ -1,0 +1,72 @@
+"""The examples run, and say what they should."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import roughbench as rb
+
+ROOT = Path(rb.__file__).parents[1]
+EXAMPLES = ROOT / "examples"
+
+
+def output_of(*arguments: object) -> list[list[str]]:
+    """Return the words of each line that an example prints."""
+    done = subprocess.run(
+        [sys.executable, "-W", "error", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+    )
+    assert done.stderr == ""
+    return [line.split() for line in done.stdout.splitlines()]
+
+
+def test_own_heights(tmp_path: Path, rng: np.random.Generator) -> None:
+    heights = rng.normal(size=(8, 8))
+    np.save(tmp_path / "h.npy", heights)
+    _, *rows = output_of(EXAMPLES / "own_heights.py", tmp_path / "h.npy", 2.0)
+    curve = rb.solve_curve(heights, np.geomspace(1e-3, 0.1, 5), length=2.0)
+    assert [float(row[1]) for row in rows] == pytest.approx(curve.area.tolist(), abs=6e-5)
+    assert [row[4] for row in rows] == ["0"] * 5
+    assert len(output_of(EXAMPLES / "own_heights.py")) == 6
+
+
+def test_compare_results(small_spec: dict[str, Any], tmp_path: Path) -> None:
+    rb.run(small_spec, output=tmp_path / "a.h5")
+    rb.run(small_spec | {"seed": 8}, output=tmp_path / "b.h5")
+    compare = EXAMPLES / "compare_results.py"
+    found = output_of(compare, tmp_path / "a.h5", tmp_path / "b.h5")
+    by_name = {(row[0], row[1]): float(row[2].rstrip(",")) for row in found}
+    assert by_name["main/persson:", "area"] == 0.0
+    assert 0.0 < by_name["main/foundation:", "area"] < 1.0
+    same = output_of(compare, tmp_path / "a.h5", tmp_path / "a.h5")
+    assert {float(row[2].rstrip(",")) for row in same} == {0.0}
+
+
+def test_the_notebook(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    notebook = json.loads((EXAMPLES / "first_run.ipynb").read_text(encoding="utf-8"))
+    names: dict[str, Any] = {}
+    for cell in notebook["cells"]:
+        if cell["cell_type"] == "code":
+            assert cell["outputs"] == []
+            exec(compile("".join(cell["source"]), "notebook", "exec"), names)  # noqa: S102
+    assert set(names["ratios"]) == {"foundation", "persson"}
+    assert min(names["ratios"]["foundation"]) > 1.0
+    names["plt"].close(names["figure"])
+
+
+def test_all_of_them_are_listed() -> None:
+    page = (EXAMPLES / "README.md").read_text(encoding="utf-8")
+    names = {path.name for path in EXAMPLES.iterdir() if path.name != "README.md"}
+    assert {name for name in names if f"({name})" not in page} == set()
