@@ -105,11 +105,13 @@ def curve_charts(source: Source, looks: dict[str, Look]) -> list[Chart]:
     Returns
     -------
     list of Chart
-        One of each of :data:`PLOTS`; none of results without models.
+        One of each of :data:`PLOTS` whose quantity a model gives.
     """
-    if not any(source.models()):
-        return []
-    return [_chart(source, plot, looks) for plot in PLOTS]
+    return [
+        _chart(source, plot, looks)
+        for plot in PLOTS
+        if any(plot.quantity in result for _, result in source.models())
+    ]
 
 
 def _chart(source: Source, plot: Plot, looks: dict[str, Look]) -> Chart:
@@ -117,6 +119,8 @@ def _chart(source: Source, plot: Plot, looks: dict[str, Look]) -> Chart:
     curves: list[dict[str, Any]] = []
     seen = []
     for experiment, result in source.models():
+        if plot.quantity not in result:
+            continue
         own = curve_of(result, plot.quantity)
         factor = plot.scale(result, own.pressure)
         line = Line(

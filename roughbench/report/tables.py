@@ -157,6 +157,8 @@ def _departures(source: Source, ranges: Sequence[Table], reference: str) -> str:
 
 
 def _range(cells: Sequence[Cell]) -> str:
+    if not all(cell.estimate.is_given for cell in cells):
+        return "not given"
     if not all(math.isfinite(cell.estimate.value) for cell in cells):
         return "nowhere"
     return '<span class="to">to</span> '.join(f"<span>{_cell(cell)}</span> " for cell in cells)
@@ -164,6 +166,8 @@ def _range(cells: Sequence[Cell]) -> str:
 
 def _cell(cell: Cell) -> str:
     estimate = cell.estimate
+    if not estimate.is_given:
+        return "not given"
     if cell.bound and math.isfinite(estimate.value):
         return f"{cell.bound} {number(estimate.value)}"
     return with_error(estimate.value, estimate.error)

@@ -212,6 +212,8 @@ def _scatter(result: ModelResult, where: str) -> Iterator[Remark]:
     pressure = np.asarray(result["pressure"], float)
     parts = []
     for quantity, words in _QUANTITIES.items():
+        if quantity not in result:
+            continue
         mean = np.asarray(result[f"{quantity}_mean"], float)
         error = np.asarray(result[f"{quantity}_sem"], float)
         known = np.isfinite(mean) & np.isfinite(error) & (mean > 0.0)
@@ -226,6 +228,8 @@ def _scatter(result: ModelResult, where: str) -> Iterator[Remark]:
 
 
 def _medians(result: ModelResult, where: str) -> Iterator[Remark]:
+    if "stiffness" not in result:
+        return
     infinite = np.isinf(np.asarray(result["stiffness_mean"], float))
     if result.n_realizations > 1 and infinite.any():
         yield Remark(
