@@ -63,6 +63,7 @@ from roughbench.errors import (
 )
 
 if TYPE_CHECKING:
+    from roughbench.models.base import Curve, Model, State, Status
     from roughbench.models.halfspace.contact import solve_contact, solve_curve
     from roughbench.results import ModelResult, Results
     from roughbench.runner import Progress, run
@@ -72,7 +73,9 @@ if TYPE_CHECKING:
     __version__: str
 
 __all__ = [
+    "Curve",
     "Fault",
+    "Model",
     "ModelResult",
     "Progress",
     "Results",
@@ -80,6 +83,8 @@ __all__ = [
     "SolverError",
     "Spec",
     "SpecError",
+    "State",
+    "Status",
     "StoreError",
     "SurfaceError",
     "__version__",
@@ -92,10 +97,14 @@ __all__ = [
 
 # Imported on first use, so that `roughbench --help` answers without NumPy.
 _LAZY = {
+    "Curve": "roughbench.models.base",
+    "Model": "roughbench.models.base",
     "ModelResult": "roughbench.results",
     "Progress": "roughbench.runner",
     "Results": "roughbench.results",
     "Spec": "roughbench.spec",
+    "State": "roughbench.models.base",
+    "Status": "roughbench.models.base",
     "load": "roughbench.store",
     "load_spec": "roughbench.spec",
     "run": "roughbench.runner",

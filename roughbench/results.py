@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from roughbench.ensemble import STATISTICS
 from roughbench.errors import UnknownNameError
 from roughbench.spec.tree import did_you_mean
-from roughbench.variables import long_name_of, units_of
+from roughbench.variables import long_name_of, quantity_of, units_of
 
 Array = NDArray[Any]
 """float64, float32, int64 or int32, as the results file knows them."""
@@ -49,6 +49,12 @@ class ModelResult:
 
     def __getitem__(self, name: str) -> Array:
         if name not in self.variables:
+            quantity = quantity_of(name)
+            if quantity is not None and quantity not in self.variables:
+                raise UnknownNameError(
+                    f"{self.title} ({self.label}) does not give {name}: it "
+                    f"knows no {long_name_of(quantity)}"
+                )
             raise _unknown("variable", name, list(self.variables), self._names())
         return self.variables[name]
 

@@ -254,6 +254,18 @@ def units_of(name: str, dimension: int = 2) -> str:
     return _BY_DIMENSION[dimension].get(units, units)
 
 
+def quantity_of(name: str) -> str | None:
+    """Return which of :data:`AVERAGED` a variable is, or is an average of.
+
+    Examples
+    --------
+    >>> quantity_of("area_sem"), quantity_of("stiffness_harmonic"), quantity_of("status")
+    ('area', 'stiffness', None)
+    """
+    base = "stiffness" if name == "stiffness_harmonic" else _SUMMARIES.get(name, (name, ""))[0]
+    return base if base in AVERAGED else None
+
+
 def long_name_of(name: str) -> str:
     """Return the description of a variable in words.
 

@@ -25,8 +25,9 @@ import numpy as np
 from _machine import describe_machine
 from numpy.typing import NDArray
 
+from roughbench.models.base import CompleteCurve
 from roughbench.models.halfspace import loops, solver
-from roughbench.models.halfspace.contact import solve_curve
+from roughbench.models.halfspace.contact import solve_curve, solve_states
 from roughbench.models.halfspace.operator import HalfSpaceOperator
 from roughbench.spectrum import self_affine
 from roughbench.surface import make_surface, realization_generator
@@ -144,13 +145,12 @@ def low_loads(n: int, threads: int, rounds: int) -> None:
             for share, runs in times.items():
                 solver.FEW = share
                 ends: list[float] = [time.perf_counter()]
-                answers[share] = solve_curve(
-                    heights,
-                    [LOW_LOADS[0] / 2, *LOW_LOADS],  # the first has the start-up in it
-                    length=LENGTH,
-                    threads=threads,
-                    solved=lambda *_, ends=ends: ends.append(time.perf_counter()),
-                )
+                loads = [LOW_LOADS[0] / 2, *LOW_LOADS]  # the first has the start-up in it
+                states = []
+                for state in solve_states(heights, loads, length=LENGTH, threads=threads):
+                    ends.append(time.perf_counter())
+                    states.append(state)
+                answers[share] = CompleteCurve.from_states(states, np.array(loads))
                 runs.append(list(np.diff(ends)[1:]))
         solver.FEW = few
         direct, grid = (np.median(runs, axis=0) for runs in times.values())

@@ -22,7 +22,7 @@ from roughbench.inputs import (
     real_array,
     whole_number,
 )
-from roughbench.models.base import Curve
+from roughbench.models.base import CompleteCurve
 from roughbench.models.foundation import foundation_curve, full_contact_pressure
 from roughbench.models.gw import counted_gw_curve
 from roughbench.models.gw_elliptic import counted_elliptic_curve
@@ -267,7 +267,7 @@ def test_heights_beyond_the_range_of_float64_are_refused(
 @pytest.mark.parametrize("power", [-150, -20, 0, 20, 150])
 @pytest.mark.parametrize("name", ["foundation", "winkler"])
 def test_springs_in_any_unit_of_length(name: str, power: int) -> None:
-    def curve(unit: float) -> Curve:
+    def curve(unit: float) -> CompleteCurve:
         if name == "foundation":
             return foundation_curve(LINE * unit, [1e-3, 1.0], unit)
         return winkler_curve(SURFACE * unit, [1e-3, 1.0], 1.0 / unit)
@@ -288,7 +288,9 @@ def test_springs_in_any_unit_of_length(name: str, power: int) -> None:
         (lambda: winkler_curve([0.0, 1.0], [1e300], 1e-100), "energy"),
     ],
 )
-def test_springs_say_where_they_overflow(call: Callable[[], Curve], quantity: str) -> None:
+def test_springs_say_where_they_overflow(
+    call: Callable[[], CompleteCurve], quantity: str
+) -> None:
     with pytest.raises(SolverError, match=f"the ({quantity}) leaves the range of float64"):
         call()
 

@@ -84,6 +84,8 @@ def _lines(width: int, headings: Sequence[str], table: Table) -> Iterator[str]:
 
 def _text(cell: Cell) -> str:
     estimate = cell.estimate
+    if not estimate.is_given:
+        return "not given"
     if math.isnan(estimate.value):
         return "-"
     if math.isinf(estimate.value):
@@ -117,7 +119,9 @@ def to_json(results: Results, fitted: Fitted, reference: str | None, resamples: 
         },
         "experiments": {
             experiment: {
-                label: {name: _as_json(value) for name, value in names.items()}
+                label: {
+                    name: _as_json(value) for name, value in names.items() if value.is_given
+                }
                 for label, names in models.items()
             }
             for experiment, models in fitted.items()

@@ -72,12 +72,10 @@ def _model_lines(result: ModelResult) -> Iterator[str]:
     headings = (f"  {name:^20}" for name in ("A/A0", "ū/h_rms", "K h_rms/E*"))
     yield f"{'p/E*':>10}{''.join(headings)}    n"
     height = float(result.attributes["rms_height"])
-    columns = [
-        (result[f"{name}_mean"] * scale, result[f"{name}_sem"] * scale)
-        for name, scale in (("area", 1.0), ("separation", 1.0 / height), ("stiffness", height))
-    ]
+    scales = (("area", 1.0), ("separation", 1.0 / height), ("stiffness", height))
+    columns = [_column(result, name, scale) for name, scale in scales]
     for i, pressure in enumerate(result["pressure"]):
-        cells = "".join(f"  {_with_error(mean[i], sem[i]):20}" for mean, sem in columns)
+        cells = "".join(f"  {column[i]:20}" for column in columns)
         yield f"{pressure:10.3e}{cells}{result['n_converged'][i]:5d}"
     if result.n_unconverged:
         yield (
@@ -92,6 +90,14 @@ def _listed(values: dict[str, Attribute]) -> list[str]:
         for name, value in values.items()
     )
     return textwrap.wrap(", ".join(parts), 88, initial_indent="  ", subsequent_indent="  ")
+
+
+def _column(result: ModelResult, name: str, scale: float) -> list[str]:
+    """Return the means of a quantity with their errors, a text for each pressure."""
+    if name not in result:
+        return ["not given"] * len(result["pressure"])
+    mean, sem = result[f"{name}_mean"] * scale, result[f"{name}_sem"] * scale
+    return [_with_error(*pair) for pair in zip(mean, sem, strict=True)]
 
 
 def _with_error(mean: float, sem: float) -> str:

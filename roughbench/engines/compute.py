@@ -2,24 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from functools import partial
+from itertools import chain
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from roughbench.engines.observing import Observer
 from roughbench.errors import RoughbenchError, SolverError
-from roughbench.models.base import Curve, Sample, Snapshot, Status, TakeFields
+from roughbench.models.base import (
+    QUANTITIES,
+    Curve,
+    Fields,
+    FloatArray,
+    Sample,
+    State,
+    Status,
+)
 from roughbench.planning.plan import Block, Task
 from roughbench.planning.samples import make_sample, rms_of
 from roughbench.results import Array
 from roughbench.rundir.checkpoint import Checkpoint
-from roughbench.variables import AVERAGED, FIELD_VARIABLES, dimensions
+from roughbench.rundir.collected import of_other_variables
+from roughbench.variables import FIELD_VARIABLES, dimensions
+
+_FINISHED, _DIAGNOSTICS = "finished.", "diagnostics."
+_OBSERVED, _MODEL = "observed.", "model."
+"""Parts of a checkpoint: the finished states, what was observed of them, the snapshot."""
 
 
 def compute(
     task: Task,
-    solved: Callable[[int], None] | None = None,
+    advanced: Callable[[int], None] | None = None,
     checkpoint: Checkpoint | None = None,
 ) -> Block:
     """Return the curves of a task's realizations, one row each.
@@ -27,10 +43,10 @@ def compute(
     Parameters
     ----------
     task : Task
-    solved : callable, optional
+    advanced : callable, optional
         Called with the number of states that are done, of the whole task, whenever there
-        are more: after each pressure of the exact solver, or where fields are observed,
-        else after each realization.
+        are more: after each realization, and after each state of a model that yields them
+        one by one, or where fields are observed.
     checkpoint : Checkpoint, optional
         Keeps the finished states of a long curve, and continues from those it has; for
         tasks of one realization.
@@ -39,86 +55,147 @@ def compute(
     -------
     dict of str to ndarray
         ``area`` and so on have shape (realizations, pressures), ``rms_height`` and
-        ``rms_slope`` (realizations,); see :func:`roughbench.results.dimensions`.
+        ``rms_slope`` (realizations,); see :func:`roughbench.variables.dimensions`.
 
     Raises
     ------
     SolverError
-        If the model refuses; names the realization.
+        If the model refuses, or gives other quantities of one realization than of another;
+        names the realization.
     """
-    cell = task.cell
-    rows: list[Block] = []
-    observers: list[Observer] = []
-    pressures = task.pressure_array()
-    digest = cell.heights.digest if cell.heights is not None else ""
-    done = 0
-
-    def one_more(snapshot: Snapshot | None = None, fields: TakeFields | None = None, /) -> None:
-        nonlocal done
-        observer = observers[-1]
-        if fields is not None:
-            observer.note(done % pressures.size, fields)
-        done += 1
-        if checkpoint is not None and snapshot is not None and done < task.n_states:
-            checkpoint.offer(done, lambda: {**snapshot(), **observer.snapshot()})
-        if solved is not None:
-            solved(done)
-
-    def resumed(sample: Sample) -> Curve | None:
-        """Go on from the checkpoint; None if there is none, or it is none for this model."""
-        nonlocal done
-        finished = checkpoint.load() if checkpoint is not None else None
-        if finished is None:
-            return None
-        try:
-            done, arrays = finished
-            if not 0 < done < task.n_states:
-                raise ValueError(f"{done} states of {task.n_states}")
-            arrays = observers[-1].restore(arrays)
-            return cell.model.resume(
-                sample, pressures, arrays, threads=task.threads, solved=one_more
-            )
-        except RoughbenchError:
-            raise
-        except Exception:  # (whatever arrays of another kind lead to)
-            if done > finished[0]:  # they have led to a state
-                raise
-            done = 0
-            observers[-1] = Observer(task, task.realizations[0], sample)
-            if solved is not None:
-                solved(0)
-            return None
-
     if checkpoint is not None and len(task.realizations) > 1:
         raise ValueError("a checkpoint belongs to one realization")
+    rows: list[Block] = []
+    kept: list[tuple[int, float, Fields]] = []
     # More threads of BLAS would change the last bits with the number of cores.
     with threadpool_limits(1, "blas"):
         for realization in task.realizations:
+            before = len(rows) * len(task.pressures)
+
+            def tell(done: int, before: int = before) -> None:
+                if advanced is not None:
+                    advanced(before + done)
+
             try:
-                sample = make_sample(cell.surface, cell.model, cell.seed, realization, digest)
-                observers.append(Observer(task, realization, sample))
-                curve = resumed(sample)
-                if curve is None:
-                    # Cheap states are worth no word each, unless someone looks at them.
-                    watch = cell.model.iterative or not observers[-1].is_idle
-                    curve = cell.model.curve(
-                        sample,
-                        pressures,
-                        threads=task.threads,
-                        solved=one_more if watch else None,
-                    )
-                row = _row(curve, pressures.shape)
-                row |= observers[-1].finish(row["status"])
+                row, fields = _compute_row(task, realization, checkpoint, tell)
+                if rows and row.keys() != rows[0].keys():
+                    raise SolverError(of_other_variables(row, rows[0]))
             except RoughbenchError as error:
                 raise SolverError(f"{task.only(realization)}: {error}") from error
-            height, slope = rms_of(sample)
-            row["rms_height"], row["rms_slope"] = np.array(height), np.array(slope)
             rows.append(row)
-            if done < len(rows) * pressures.size:
-                done = len(rows) * pressures.size
-                if solved is not None:
-                    solved(done)
-    return _stacked(rows) | _fields(task, observers)
+            kept += [(realization, task.pressures[k], fields[k]) for k in sorted(fields)]
+    return _stacked(rows) | _stacked_fields(kept)
+
+
+def _compute_row(
+    task: Task,
+    realization: int,
+    checkpoint: Checkpoint | None,
+    tell: Callable[[int], None],
+) -> tuple[Block, dict[int, Fields]]:
+    """Return the variables of one realization, and the fields that are kept of it."""
+    cell, pressures = task.cell, task.pressure_array()
+    digest = cell.heights.digest if cell.heights is not None else ""
+    sample = make_sample(cell.surface, cell.model, cell.seed, realization, digest)
+    observer = Observer(task, realization, sample)
+    if cell.model.is_vectorized and observer.is_idle:
+        # Cheap states are worth no word each, unless someone looks at them.
+        curve = cell.model.curve(sample, pressures)
+        tell(pressures.size)
+    else:
+        curve, observer = _follow(task, sample, observer, checkpoint, tell)
+    row = _row(curve, pressures)
+    row |= observer.finish(row["status"])
+    height, slope = rms_of(sample)
+    row["rms_height"], row["rms_slope"] = np.array(height), np.array(slope)
+    return row, observer.fields
+
+
+# -- state by state ------------------------------------------------------------------------
+
+
+def _follow(
+    task: Task,
+    sample: Sample,
+    observer: Observer,
+    checkpoint: Checkpoint | None,
+    tell: Callable[[int], None],
+) -> tuple[Curve, Observer]:
+    """Return the curve of a model that yields its states, and what was observed of them."""
+    pressures, finished = task.pressure_array(), list[State]()
+    resumed = _resumed(task, sample, checkpoint) if checkpoint is not None else None
+    if resumed is not None:
+        finished, observer, states = resumed
+    else:
+        states = task.cell.model.states(sample, pressures, threads=task.threads)
+    for state in states:
+        if state.fields is not None:
+            observer.note(len(finished), state.fields)
+        finished.append(replace(state, fields=None, snapshot=None))
+        if checkpoint is not None and state.snapshot and len(finished) < pressures.size:
+            checkpoint.offer(len(finished), partial(_to_keep, finished, observer, state))
+        tell(len(finished))
+    return Curve.from_states(finished, pressures), observer
+
+
+def _resumed(
+    task: Task, sample: Sample, checkpoint: Checkpoint
+) -> tuple[list[State], Observer, Iterator[State]] | None:
+    """Return the states of a checkpoint, what was observed of them, and the states to come.
+
+    None if there is no checkpoint, or it is none of this curve.
+    """
+    loaded = checkpoint.load()
+    if loaded is None:
+        return None
+    done, arrays = loaded
+    try:
+        finished = _finished_states(arrays)
+        observer = Observer(task, task.realizations[0], sample)
+        observer.restore(_part(arrays, _OBSERVED))
+        states = task.cell.model.states(
+            sample,
+            task.pressure_array(),
+            threads=task.threads,
+            finished=_part(arrays, _MODEL),
+        )
+        first = next(states)
+        pressures = [state.pressure for state in [*finished, first]]
+        if len(finished) != done or pressures != list(task.pressures[: done + 1]):
+            raise ValueError(f"{done} states of others")
+    except RoughbenchError:
+        raise
+    except Exception:  # noqa: BLE001, RUF100  (whatever arrays of another kind lead to)
+        return None
+    return finished, observer, chain([first], states)
+
+
+def _to_keep(finished: list[State], observer: Observer, state: State) -> dict[str, Array]:
+    """Return the arrays of a checkpoint after ``state``."""
+    curve = Curve.from_states(finished, np.array([state.pressure for state in finished]))
+    given = {name: getattr(curve, name) for name in ("pressure", "status", *QUANTITIES)}
+    parts = {
+        _FINISHED: {name: values for name, values in given.items() if values is not None},
+        _DIAGNOSTICS: curve.diagnostics,
+        _OBSERVED: observer.snapshot(),
+        _MODEL: state.snapshot() if state.snapshot is not None else {},
+    }
+    return {
+        f"{part}{name}": values for part, own in parts.items() for name, values in own.items()
+    }
+
+
+def _finished_states(arrays: Mapping[str, Array]) -> list[State]:
+    given = _part(arrays, _FINISHED)
+    return list(Curve(**given, diagnostics=_part(arrays, _DIAGNOSTICS)).states())
+
+
+def _part(arrays: Mapping[str, Array], part: str) -> dict[str, Array]:
+    """Return the arrays of a part of a checkpoint."""
+    return {name.removeprefix(part): arrays[name] for name in arrays if name.startswith(part)}
+
+
+# -- rows of the results -------------------------------------------------------------------
 
 
 def _stacked(rows: list[Block]) -> Block:
@@ -132,40 +209,42 @@ def _stacked(rows: list[Block]) -> Block:
     return block
 
 
-def _fields(task: Task, observers: list[Observer]) -> Block:
+def _stacked_fields(kept: list[tuple[int, float, Fields]]) -> Block:
     """Return the fields that are kept, in the order of realizations and pressures."""
-    found = [
-        (realization, task.pressures[k], fields)
-        for realization, observer in zip(task.realizations, observers, strict=True)
-        for k, fields in sorted(observer.fields.items())
-    ]
-    if not found:
+    if not kept:
         return {}
     columns = {
-        "field_realization": np.array([r for r, _, _ in found], dtype=np.int64),
-        "field_nominal_pressure": np.array([p for _, p, _ in found]),
-        "field_pressure": np.stack([fields.pressure for _, _, fields in found]),
-        "field_gap": np.stack([fields.gap for _, _, fields in found]),
+        "field_realization": np.array([r for r, _, _ in kept], dtype=np.int64),
+        "field_nominal_pressure": np.array([p for _, p, _ in kept]),
+        "field_pressure": np.stack([fields.pressure for _, _, fields in kept]),
+        "field_gap": np.stack([fields.gap for _, _, fields in kept]),
     }
     return {name: columns[name] for name in FIELD_VARIABLES if name in columns}
 
 
-def _row(curve: Curve, shape: tuple[int, ...]) -> Block:
+def _row(curve: Curve, pressures: FloatArray) -> Block:
     """Return the variables of one curve; what is not finite never passes as converged."""
     row: dict[str, Array] = {
         name: np.asarray(value, dtype=np.float64)
-        for name in AVERAGED
+        for name in QUANTITIES
         if (value := getattr(curve, name)) is not None
     }
-    lost = ~np.isfinite(row["area"]) | ~np.isfinite(row["separation"])
-    lost |= np.isnan(row["stiffness"])  # inf is full contact
+    diagnostics = {name: _storable(values) for name, values in curve.diagnostics.items()}
+    for name, values in (row | {"status": curve.status} | diagnostics).items():
+        if values.shape != pressures.shape:
+            raise SolverError(
+                f"{name} has shape {values.shape}, the pressures {pressures.shape}"
+            )
+    if not np.array_equal(curve.pressure, pressures):
+        raise SolverError("the curve is not of the pressures that were asked for")
+    lost = ~np.isfinite(row["area"])
+    if "separation" in row:
+        lost = lost | ~np.isfinite(row["separation"])
+    if "stiffness" in row:
+        lost = lost | np.isnan(row["stiffness"])  # inf is full contact
     converged = curve.status == Status.CONVERGED
     row["status"] = np.where(lost & converged, Status.NOT_FINITE, curve.status).astype(np.int32)
-    row |= {name: _storable(values) for name, values in curve.diagnostics.items()}
-    for name, values in row.items():
-        if values.shape != shape:
-            raise ValueError(f"{name} has shape {values.shape}, the pressures {shape}")
-    return row
+    return row | diagnostics
 
 
 def _storable(values: Array) -> Array:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from roughbench.errors import SolverError
-from roughbench.models.base import Fields, FloatArray, IntArray, Sample, Status, TakeFields
+from roughbench.models.base import Fields, FloatArray, IntArray, Sample, Status
 from roughbench.observables import (
     OBSERVABLES,
     Field,
@@ -33,7 +33,6 @@ GAMMA = 0.45
 """Of Persson's stress spectrum beside the models'."""
 
 _SPECTRA: tuple[ObservableName, ...] = ("stress_spectrum", "contact_spectrum")
-_OBSERVED = "observed."
 _PRESSURE, _GAP = "field_pressure.", "field_gap."
 
 
@@ -67,8 +66,8 @@ class Observer:
         """Whether nothing is asked for."""
         return not self._names and not self._kept
 
-    def note(self, k: int, take: TakeFields) -> None:
-        """Look at the state at pressure ``k`` of the task, which was just finished."""
+    def note(self, k: int, take: Callable[[], Fields]) -> None:
+        """Look at the state at pressure ``k`` of the task, if there is something to look at."""
         if not self._names and k not in self._kept:
             return
         fields = take()
@@ -112,20 +111,15 @@ class Observer:
         arrays = dict(self._values)
         for k, fields in self.fields.items():
             arrays |= {f"{_PRESSURE}{k}": fields.pressure, f"{_GAP}{k}": fields.gap}
-        return {f"{_OBSERVED}{name}": values for name, values in arrays.items()}
+        return arrays
 
-    def restore(self, arrays: Mapping[str, Array]) -> dict[str, Array]:
-        """Take up what :meth:`snapshot` returned; returns the other arrays."""
-        own = {
-            name.removeprefix(_OBSERVED): np.array(values)
-            for name, values in arrays.items()
-            if name.startswith(_OBSERVED)
-        }
+    def restore(self, arrays: Mapping[str, Array]) -> None:
+        """Take up what :meth:`snapshot` returned."""
+        own = {name: np.array(values) for name, values in arrays.items()}
         for name in [name for name in own if name.startswith(_PRESSURE)]:
             number = name.removeprefix(_PRESSURE)
             self.fields[int(number)] = Fields(own.pop(name), own.pop(f"{_GAP}{number}"))
         self._values = own
-        return {name: arrays[name] for name in arrays if not name.startswith(_OBSERVED)}
 
     # -- at the end ------------------------------------------------------------------------
 

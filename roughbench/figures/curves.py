@@ -55,12 +55,15 @@ def curve_of(result: ModelResult, quantity: Quantity) -> Curve:
     Returns
     -------
     Curve
+        nan where the contender does not give the quantity.
     """
     height = float(result.attributes["rms_height"])
     unit = {"area": 1.0, "separation": height, "stiffness": 1.0 / height}[quantity]
     order = np.argsort(result["pressure"], kind="stable")
 
     def column(statistic: str) -> FloatArray:
+        if quantity not in result:
+            return np.full(order.size, np.nan)
         return np.asarray(result[f"{quantity}_{statistic}"], float)[order] / unit
 
     mean, error = column("mean"), column("sem")

@@ -27,6 +27,6 @@ def draw(results: Results) -> Figure:
     for number, axes in enumerate((upper, lower)):
         axes.label_outer()
         letter(axes, number)
-    legend_above(figure, legend_handles(results, list(results), "separation"))
+    legend_above(figure, legend_handles(results, list(results), "separation", of_all=True))
     footnote(figure, [height_remark(results), *unconverged_remarks(results)])
     return figure

@@ -52,6 +52,8 @@ def draw_panel(
     for number, experiment in enumerate(experiments):
         turn = number / len(experiments)
         for label, result in results[experiment].items():
+            if quantity not in result:
+                continue
             curve = curve_of(result, quantity)
             look = styles[label]
             colour = lighter(look.colour, shades[experiment])
@@ -203,6 +205,7 @@ def legend_handles(
     quantity: Quantity,
     *,
     in_one_panel: bool = True,
+    of_all: bool = False,
 ) -> list[Artist]:
     """Return one handle per contender, one per experiment of several, one for full contact.
 
@@ -213,6 +216,8 @@ def legend_handles(
     quantity : {"area", "separation", "stiffness"}
     in_one_panel : bool
         Whether shades tell the experiments apart; else each has a panel of its own.
+    of_all : bool
+        Also of contenders that do not give the quantity.
 
     Returns
     -------
@@ -223,7 +228,12 @@ def legend_handles(
 
     styles = looks(results)
     handles: list[Artist] = []
+    shown = {
+        label for name in experiments for label, one in results[name].items() if quantity in one
+    }
     for label, name in model_names(results, experiments, quantity).items():
+        if label not in shown and not of_all:
+            continue
         look = styles[label]
         handles.append(
             Line2D(

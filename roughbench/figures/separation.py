@@ -30,7 +30,8 @@ _INSET = (0.115, 0.085, 0.44, 0.42)
 
 def missing(results: Results) -> str | None:
     """Return what the results lack for this figure, or None."""
-    return None if any(results.models()) else "the results of a model"
+    gives = any("separation" in result for _, result in results.models())
+    return None if gives else "a model with a separation"
 
 
 def draw(results: Results) -> Figure:

@@ -37,9 +37,11 @@ from roughbench.fits.laws import (
     fit_factor,
     fit_laws,
     proportional,
+    quantity_of,
 )
 from roughbench.fits.resampling import (
     MISSING,
+    NOT_GIVEN,
     Estimate,
     draw_counts,
     estimate,
@@ -51,6 +53,7 @@ from roughbench.results import ModelResult, Results
 
 __all__ = [
     "MISSING",
+    "NOT_GIVEN",
     "PERCENTS",
     "QUANTITIES",
     "RESAMPLES",
@@ -128,7 +131,8 @@ def fit(
         factor between the two (e to the rms of ln of the ratio; of K the harmonic means),
         lengths in units of the realized rms heights, over the range in which the reference
         has A ∼ p (for the area) or K ∼ p. They are missing where there is no reference, or
-        the pressures differ.
+        the pressures differ. What needs a quantity that the model does not give is
+        ``NOT_GIVEN``.
 
     Raises
     ------
@@ -153,12 +157,19 @@ def _fit_model(one: _Drawn, reference: _Drawn | None) -> dict[str, Estimate]:
     laws = fit_laws(pressure, one.means, dict(one.result.attributes), one.height[:, 0])
     count = n_random(one.result)
     found = {name: estimate(*values, count=count) for name, values in laws.items()}
+    found |= {name: NOT_GIVEN for name in laws if quantity_of(name) not in one.result}
     if reference is None or reference is one:
         return found
     if not np.array_equal(reference.pressure, pressure):
         return found
     count = n_random(one.result, reference.result)
     for name in QUANTITIES:
+        ends = [
+            f"{name}_agrees_{end}_{percent}" for percent in PERCENTS for end in ("from", "to")
+        ]
+        if not one.gives(name, reference):
+            found |= dict.fromkeys(ends, NOT_GIVEN)
+            continue
         ours, theirs = _paired(one.means[name], reference.means[name])
         open_ = np.ones(pressure.shape, bool)
         if name == "area":
@@ -212,6 +223,9 @@ def factors(
 def _factors(one: _Drawn, reference: _Drawn) -> dict[str, Estimate]:
     found, count = {}, n_random(one.result, reference.result)
     for name, power in POWERS_OF_LENGTH.items():
+        if not one.gives(name, reference):
+            found[f"{name}_factor"] = NOT_GIVEN
+            continue
         mean = "stiffness_harmonic" if name == "stiffness" else name
         ours, theirs = (x.means[mean] / x.height**power for x in (one, reference))
         ours, theirs = _paired(ours, theirs)
@@ -244,6 +258,10 @@ class _Drawn:
         self.means["stiffness_harmonic"] = harmonic_means(result, "stiffness", counts)
         heights = np.asarray(result["rms_height"], float)
         self.height = (counts @ heights / heights.size)[:, None]
+
+    def gives(self, name: str, reference: _Drawn) -> bool:
+        """Whether both have a quantity."""
+        return name in self.result and name in reference.result
 
     @functools.cached_property
     def linear(self) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:

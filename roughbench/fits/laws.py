@@ -136,6 +136,19 @@ def fit_laws(
     return fitted
 
 
+def quantity_of(name: str) -> str:
+    """Return the quantity that a number of the table above says something about.
+
+    Examples
+    --------
+    >>> quantity_of("kappa_from"), quantity_of("beta"), quantity_of("theta")
+    ('area', 'separation', 'stiffness')
+    """
+    if name in ("u0", "alpha", "alpha_realized", "beta"):
+        return "separation"
+    return "area" if name.startswith(("kappa", "half_contact")) else "stiffness"
+
+
 def proportional(
     pressure: FloatArray, values: FloatArray, tolerance: float
 ) -> tuple[FloatArray, FloatArray]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +34,8 @@ class Estimate:
     count : int
         Realizations behind the error: those of the scarcer of two ensembles; 0 if nothing
         is random.
+    is_given : bool
+        The model says something about the quantity at all.
     """
 
     value: float
@@ -43,10 +45,13 @@ class Estimate:
     share: float
     is_bound: bool = False
     count: int = 0
+    is_given: bool = True
 
 
 MISSING = Estimate(math.nan, math.nan, math.nan, math.nan, 0.0)
 """There is no such number."""
+NOT_GIVEN = replace(MISSING, is_given=False)
+"""The model does not give the quantity."""
 
 
 def draw_counts(n_realizations: int, resamples: int, seed: int) -> FloatArray:
@@ -87,9 +92,10 @@ def resampled_means(result: ModelResult, name: str, counts: FloatArray) -> Float
     Returns
     -------
     ndarray of float64, shape (B, P)
-        inf as soon as one value is; nan where no realization of a resample converged.
+        inf as soon as one value is; nan where no realization of a resample converged, and
+        where the model does not give the variable.
     """
-    values = np.asarray(result[name], float)
+    values = _values(result, name)
     held = np.asarray(result["status"]) == 0
     finite = held & np.isfinite(values)
     number = counts @ held
@@ -114,14 +120,20 @@ def harmonic_means(result: ModelResult, name: str, counts: FloatArray) -> FloatA
     Returns
     -------
     ndarray of float64, shape (B, P)
-        inf where all values are; nan where no realization of a resample converged.
+        inf where all values are; nan as for :func:`resampled_means`.
     """
-    values = np.asarray(result[name], float)
+    values = _values(result, name)
     held = np.asarray(result["status"]) == 0
     with np.errstate(divide="ignore", invalid="ignore"):
         number = counts @ held
         total = counts @ np.where(held, 1.0 / values, 0.0)
         return np.asarray(np.where(number > 0.0, number, math.nan) / total)
+
+
+def _values(result: ModelResult, name: str) -> FloatArray:
+    if name in result:
+        return np.asarray(result[name], float)
+    return np.full(result["status"].shape, math.nan)
 
 
 def estimate(

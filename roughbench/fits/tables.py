@@ -20,7 +20,7 @@ class Cell:
     Attributes
     ----------
     estimate : Estimate
-        nan where the criterion is met nowhere.
+        nan where the criterion is met nowhere, or the model does not give the quantity.
     bound : str
         "≤" or "≥" where the number is a bound only, else "".
     """
@@ -78,7 +78,8 @@ def law_tables(models: Mapping[str, Mapping[str, Estimate]]) -> Iterator[Table]:
         models,
     )
     if any(math.isfinite(names["exponent"].value) for names in models.values()):
-        expected = [n["exponent_expected"].value for n in models.values() if "theta" in n]
+        found = [n["exponent_expected"] for n in models.values() if "exponent_expected" in n]
+        expected = [estimate.value for estimate in found if estimate.is_given]
         law = f" (1/(1+H) = {expected[0]:.3f})" if expected else ""
         yield _table(
             f"few contacts, K ~ p^n{law}",

@@ -22,7 +22,7 @@ import numpy as np
 
 from roughbench.errors import SolverError
 from roughbench.models._gaussian_excess import Weight, log_excess
-from roughbench.models.base import Curve, FloatArray, Status
+from roughbench.models.base import CompleteCurve, FloatArray, Status
 
 _ORDERS = (1.5, 1.0, 0.5, 2.5)
 _STEPS = 200
@@ -53,7 +53,7 @@ class Distribution:
     area_weight: Weight | None = None
 
 
-def integrated_curve(summits: Distribution, p: FloatArray) -> Curve:
+def integrated_curve(summits: Distribution, p: FloatArray) -> CompleteCurve:
     """Return the curve of summits given by their distribution.
 
     Parameters
@@ -64,7 +64,7 @@ def integrated_curve(summits: Distribution, p: FloatArray) -> Curve:
 
     Returns
     -------
-    Curve
+    CompleteCurve
         With E* = 1.
 
     Raises
@@ -84,7 +84,7 @@ def integrated_curve(summits: Distribution, p: FloatArray) -> Curve:
             f"no level of the summits carries the pressure p/E* = {worst:g}; lower it"
         )
     with np.errstate(under="ignore"):
-        return Curve(
+        return CompleteCurve(
             pressure=p,
             area=summits.area * sigma * np.exp(log_area),
             separation=summits.mean + sigma * t,
@@ -113,7 +113,7 @@ def _level(target: FloatArray, weight: Weight | None) -> FloatArray:
 
 def counted_curve(
     heights: FloatArray, curvatures: FloatArray, nominal_area: float, p: FloatArray
-) -> Curve:
+) -> CompleteCurve:
     """Return the curve of summits given one by one.
 
     Parameters
@@ -129,7 +129,7 @@ def counted_curve(
 
     Returns
     -------
-    Curve
+    CompleteCurve
         With E* = 1; ``diagnostics`` has the ``summits_in_contact`` (int64).
     """
     order = np.argsort(-heights, kind="stable")
@@ -161,7 +161,7 @@ def counted_curve(
         separation[i] = top - approach
         stiffness[i] = 2.0 * float(y @ np.sqrt(x)) / nominal_area
         energy[i] = 8.0 / 15.0 * float(y @ x**2.5) / nominal_area
-    return Curve(
+    return CompleteCurve(
         pressure=p,
         area=area,
         separation=separation,

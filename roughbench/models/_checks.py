@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from roughbench.errors import SolverError
 from roughbench.inputs import check_heights, float_array, real_array, real_number
-from roughbench.models.base import Curve, Status
+from roughbench.models.base import CompleteCurve, Status
 
 FloatArray = NDArray[np.float64]
 
@@ -76,7 +76,7 @@ def checked_heights(heights: ArrayLike, fault: str) -> FloatArray:
     return h.astype(np.float64, copy=False)
 
 
-def refuse_overflow(curve: Curve) -> Curve:
+def refuse_overflow(curve: CompleteCurve) -> CompleteCurve:
     """Return a curve, if its converged states are numbers; K may be infinite where all touches.
 
     Raises

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import functools
+from collections.abc import Callable
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from roughbench.inputs import float_array
-from roughbench.models.base import Curve, Fields, Solved
+from roughbench.models.base import Fields, FloatArray, Sample, State
 
 
 def spring_fields(
@@ -42,12 +43,19 @@ def spring_fields(
     return Fields(modulus * np.maximum(overlap, 0.0), np.maximum(-overlap, 0.0), modulus)
 
 
-def hand_out_fields(
-    heights: ArrayLike, curve: Curve, modulus: float, solved: Solved | None
-) -> None:
-    """Call ``solved`` for every state of a curve of independent springs, with its fields."""
-    if solved is None:
-        return
-    for k in np.argsort(curve.pressure, kind="stable"):
-        pressure, separation = float(curve.pressure[k]), float(curve.separation[k])
-        solved(None, functools.partial(spring_fields, heights, pressure, separation, modulus))
+def make_spring_fields(sample: Sample, modulus: float) -> Callable[[State], Fields]:
+    """Return what computes the fields of a state of springs under the sample's heights.
+
+    Parameters
+    ----------
+    sample : Sample
+    modulus : float
+        k_w/E*, 1/length.
+    """
+    heights = cast(FloatArray, sample.heights)
+
+    def fields(state: State) -> Fields:
+        separation = cast(float, state.separation)
+        return spring_fields(heights, state.pressure, separation, modulus)
+
+    return fields

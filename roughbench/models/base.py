@@ -1,17 +1,19 @@
 """What every contender shares: the sample it gets, the curve it returns, its options.
 
 A contender is one file in this package: a subclass of :class:`Model` that holds its
-options and computes a :class:`Curve` from a :class:`Sample` and a list of pressures.
-It knows nothing of specs, files, progress bars or figures.
+options and computes a :class:`Curve` from a :class:`Sample` and a list of pressures, or
+yields its :class:`State` one by one. It knows nothing of specs, files, progress bars or
+figures.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
-from typing import Any, ClassVar, Protocol
+from functools import partial
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,14 +25,11 @@ from pydantic import (
     model_serializer,
 )
 
+from roughbench.errors import SolverError
 from roughbench.spectrum import Spectrum
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
-
-
-Snapshot = Callable[[], Mapping[str, NDArray[Any]]]
-"""Returns the arrays that :meth:`Model.resume` continues a curve from."""
 
 
 class Status(IntEnum):
@@ -61,23 +60,6 @@ class Fields:
     modulus: float | None = None
 
 
-TakeFields = Callable[[], Fields]
-"""Returns the fields of the state that was finished last."""
-
-
-class Solved(Protocol):
-    """Called when one more pressure is done, in the order of rising pressure."""
-
-    def __call__(
-        self, snapshot: Snapshot | None = None, fields: TakeFields | None = None, /
-    ) -> None:
-        """Note it.
-
-        ``snapshot`` comes from a model that can resume, ``fields`` from one with
-        :attr:`Model.has_fields`; each is called at once or never.
-        """
-
-
 @dataclass(frozen=True, slots=True)
 class Sample:
     """One realization of the roughness, as a contender gets it.
@@ -98,9 +80,57 @@ class Sample:
     spectrum: Spectrum | None = None
 
 
+QUANTITIES = ("area", "area_raw", "separation", "stiffness", "energy")
+"""What a contender may say of a state, in the order of the results; the area it must."""
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """What a contender says at one pressure; what it does not know is None.
+
+    Attributes
+    ----------
+    pressure : float
+        Nominal pressure p, in the unit of the contact modulus E*.
+    area, separation, stiffness, energy, area_raw
+        As in :class:`Curve`.
+    status : Status
+        How the computation ended.
+    diagnostics : mapping of str to number
+        Further numbers (certificate, iterations).
+    fields : callable, optional
+        Returns the :class:`Fields` of the state.
+    snapshot : callable, optional
+        Returns the arrays that :meth:`Model.states` goes on from, after this state.
+
+    Notes
+    -----
+    ``fields`` and ``snapshot`` may be called until the next state is asked for, and not
+    later: a model need not keep what they return.
+    """
+
+    pressure: float
+    area: float
+    separation: float | None = None
+    stiffness: float | None = None
+    energy: float | None = None
+    status: Status = Status.CONVERGED
+    area_raw: float | None = None
+    diagnostics: Mapping[str, float | np.number[Any]] = field(default_factory=dict)
+    fields: Callable[[], Fields] | None = None
+    snapshot: Callable[[], Mapping[str, NDArray[Any]]] | None = None
+
+    def given(self) -> dict[str, Any]:
+        """Return its quantities and diagnostics by name, without those that are not given."""
+        quantities = {name: getattr(self, name) for name in QUANTITIES}
+        return {k: x for k, x in quantities.items() if x is not None} | dict(self.diagnostics)
+
+
 @dataclass(frozen=True, slots=True)
 class Curve:
     """What a contender says at each pressure; all arrays have shape (pressures,).
+
+    Pressure and area are enough: what is None is not given, and no variable of the results.
 
     Attributes
     ----------
@@ -108,14 +138,14 @@ class Curve:
         Nominal pressure p, in the unit of the contact modulus E*.
     area : ndarray of float64
         Real contact area A/A0.
-    separation : ndarray of float64
+    separation : ndarray of float64, optional
         Mean separation ū, length.
-    stiffness : ndarray of float64
+    stiffness : ndarray of float64, optional
         K = −dp/dū, E*/length; inf at full contact.
-    energy : ndarray of float64
+    energy : ndarray of float64, optional
         Elastic energy U/(A0 E*), length.
     status : ndarray of int32
-        :class:`Status` of each state.
+        :class:`Status` of each state; default: all have converged.
     area_raw : ndarray of float64, optional
         Contact points / all points, before the perimeter correction.
     diagnostics : mapping of str to ndarray, optional
@@ -124,12 +154,75 @@ class Curve:
 
     pressure: FloatArray
     area: FloatArray
+    separation: FloatArray | None = None
+    stiffness: FloatArray | None = None
+    energy: FloatArray | None = None
+    status: IntArray = field(default_factory=lambda: np.zeros(0, np.int32))
+    area_raw: FloatArray | None = None
+    diagnostics: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.status.size == 0:
+            object.__setattr__(self, "status", np.zeros(self.pressure.shape, np.int32))
+
+    @classmethod
+    def from_states(cls, states: Iterable[State], pressures: FloatArray) -> Self:
+        """Return the curve that states in the order of rising pressure make.
+
+        Parameters
+        ----------
+        states : iterable of State
+        pressures : ndarray of float64
+            p/E* of the curve, in any order.
+
+        Raises
+        ------
+        SolverError
+            If they are not the states of these pressures, or not all of them give the same
+            quantities.
+        """
+        rows = list(states)
+        order = np.argsort(pressures, kind="stable")
+        if [state.pressure for state in rows] != pressures[order].tolist():
+            raise SolverError(
+                f"the model gives {len(rows)} states for {pressures.size} pressures, or not in "
+                "the order of rising pressure"
+            )
+        given = [state.given() for state in rows]
+        for state, values in zip(rows, given, strict=True):
+            if values.keys() != given[0].keys():
+                raise SolverError(
+                    f"the model gives {', '.join(values)} at p/E* = {state.pressure:g}, but "
+                    f"{', '.join(given[0])} at {rows[0].pressure:g}; give the same at every "
+                    "pressure, nan where it is unknown"
+                )
+        place = np.argsort(order)
+        columns = {
+            name: np.array([values[name] for values in given])[place] for name in given[0]
+        }
+        quantities = {name: columns.pop(name) for name in QUANTITIES if name in columns}
+        status = np.array([state.status for state in rows], np.int32)[place]
+        return cls(pressure=pressures, status=status, diagnostics=columns, **quantities)
+
+    def states(self) -> Iterator[State]:
+        """Yield its states, in the order of rising pressure."""
+        given = [name for name in QUANTITIES if getattr(self, name) is not None]
+        for k in np.argsort(self.pressure, kind="stable"):
+            yield State(
+                pressure=float(self.pressure[k]),
+                status=Status(self.status[k]),
+                diagnostics={name: values[k] for name, values in self.diagnostics.items()},
+                **{name: getattr(self, name)[k] for name in given},
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class CompleteCurve(Curve):
+    """A curve with separation, stiffness and energy."""
+
     separation: FloatArray
     stiffness: FloatArray
     energy: FloatArray
-    status: IntArray
-    area_raw: FloatArray | None = None
-    diagnostics: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
 
 MOST_REALIZATIONS = 1_000_000
@@ -158,7 +251,7 @@ class Model(BaseModel, ABC):
 
     @property
     def has_fields(self) -> bool:
-        """Whether it knows pressure and gap at every point, and hands them to ``solved``."""
+        """Whether it knows pressure and gap at every point: its states have ``fields``."""
         return False
 
     iterative: ClassVar[bool] = True
@@ -210,38 +303,67 @@ class Model(BaseModel, ABC):
         """
         raise NotImplementedError(f"{self.kind} uses no heights")
 
-    @abstractmethod
-    def curve(
-        self,
-        sample: Sample,
-        pressures: FloatArray,
-        *,
-        threads: int = 1,
-        solved: Solved | None = None,
-    ) -> Curve:
+    # -- computing -------------------------------------------------------------------------
+
+    def curve(self, sample: Sample, pressures: FloatArray) -> Curve:
         """Return the curve at ``pressures`` (p/E*, any order), with E* = 1.
 
-        A model that takes its time over each pressure, or has fields, calls ``solved``
-        after it.
+        A contender that computes all pressures at once overrides this, any other
+        :meth:`states`.
         """
+        return Curve.from_states(self.states(sample, pressures), pressures)
 
-    def resume(
+    def states(
         self,
         sample: Sample,
         pressures: FloatArray,
-        finished: Mapping[str, NDArray[Any]],
         *,
         threads: int = 1,
-        solved: Solved | None = None,
-    ) -> Curve:
-        """Continue a curve whose process was killed, to the bits it would have had.
+        finished: Mapping[str, NDArray[Any]] | None = None,
+    ) -> Iterator[State]:
+        """Yield the states at ``pressures`` in the order of rising pressure, with E* = 1.
+
+        A contender that takes its time over each pressure overrides this.
 
         Parameters
         ----------
-        finished : mapping of str to ndarray
-            What a snapshot of the same curve returned; ``solved`` is called for the
-            pressures after it only.
-        sample, pressures, threads, solved
-            As in :meth:`curve`.
+        sample : Sample
+        pressures : ndarray of float64
+            p/E*, in any order.
+        threads : int
+            Threads that it may use.
+        finished : mapping of str to ndarray, optional
+            What :attr:`State.snapshot` of the same curve returned: only the states after
+            that one are yielded, to the bits that they would have had.
+
+        Yields
+        ------
+        State
         """
-        raise NotImplementedError(f"{self.kind} hands out no snapshots")
+        del threads
+        if type(self).curve is Model.curve:
+            raise NotImplementedError(f"{type(self).__name__} has neither curve nor states")
+        if finished is not None:
+            raise NotImplementedError(f"{self.kind} hands out no snapshots")
+        states = self.curve(sample, pressures).states()
+        if not self.has_fields:
+            yield from states
+            return
+        fields = self.make_fields(sample)
+        for state in states:
+            yield replace(state, fields=partial(fields, state))
+
+    def make_fields(self, sample: Sample) -> Callable[[State], Fields]:
+        """Return what computes the fields of a state of :meth:`curve`.
+
+        A contender that overrides ``curve`` and has fields overrides this as well.
+        """
+        raise NotImplementedError(f"{type(self).__name__} has fields without make_fields")
+
+    @property
+    def is_vectorized(self) -> bool:
+        """Whether :meth:`curve` computes all pressures at once."""
+        for owner in type(self).__mro__[: type(self).__mro__.index(Model)]:
+            if not vars(owner).keys().isdisjoint(("curve", "states")):
+                return "curve" in vars(owner)
+        return False

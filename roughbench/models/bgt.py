@@ -31,13 +31,13 @@ from numpy.typing import ArrayLike
 
 from roughbench.errors import SolverError, SurfaceError
 from roughbench.models._checks import checked_pressures
-from roughbench.models.base import Curve, FloatArray, Model, Sample, Solved, Status
+from roughbench.models.base import CompleteCurve, FloatArray, Model, Sample, Status
 from roughbench.spectrum import Spectrum
 
 _STEPS = 200
 
 
-def bgt_curve(spectrum: Spectrum, pressures: ArrayLike) -> Curve:
+def bgt_curve(spectrum: Spectrum, pressures: ArrayLike) -> CompleteCurve:
     """Return the asymptotic curve of Bush, Gibson and Thomas, at any pressure.
 
     Parameters
@@ -49,7 +49,7 @@ def bgt_curve(spectrum: Spectrum, pressures: ArrayLike) -> Curve:
 
     Returns
     -------
-    Curve
+    CompleteCurve
         With E* = 1. The area is a straight line and exceeds one at p > 0.4 E*ξ.
 
     Raises
@@ -72,7 +72,7 @@ def bgt_curve(spectrum: Spectrum, pressures: ArrayLike) -> Curve:
     t = _level(np.log(2.0 * area))
     with np.errstate(under="ignore"):
         energy = slope * height / (8.0 * math.pi) * exp1(t * t / 2.0)
-    return Curve(
+    return CompleteCurve(
         pressure=p,
         area=area,
         separation=height * t,
@@ -111,16 +111,8 @@ class BushGibsonThomas(Model):
 
     kind: Literal["bgt"] = "bgt"
 
-    def curve(
-        self,
-        sample: Sample,
-        pressures: FloatArray,
-        *,
-        threads: int = 1,
-        solved: Solved | None = None,
-    ) -> Curve:
+    def curve(self, sample: Sample, pressures: FloatArray) -> CompleteCurve:
         """Return the line of the sample's spectrum; heights are not looked at."""
-        del threads, solved
         if sample.spectrum is None:
             raise SurfaceError("the line of Bush, Gibson and Thomas needs a spectrum")
         return bgt_curve(sample.spectrum, pressures)

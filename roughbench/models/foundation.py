@@ -35,6 +35,7 @@ pressures as in I. A. Lyashenko, L. Pastewka and B. N. J. Persson (2013).
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -49,8 +50,16 @@ from roughbench.models._checks import (
     checked_pressures,
     refuse_overflow,
 )
-from roughbench.models._springs import hand_out_fields
-from roughbench.models.base import Curve, FloatArray, Model, Sample, Solved, Status
+from roughbench.models._springs import make_spring_fields
+from roughbench.models.base import (
+    CompleteCurve,
+    Fields,
+    FloatArray,
+    Model,
+    Sample,
+    State,
+    Status,
+)
 from roughbench.spectrum import Spectrum
 from roughbench.surface import Undersampled, check_grid
 
@@ -134,7 +143,7 @@ def full_contact_pressure(heights: ArrayLike, length: float) -> float:
 
 def foundation_curve(
     heights: ArrayLike, pressures: ArrayLike, length: float, ends: Ends = "periodic"
-) -> Curve:
+) -> CompleteCurve:
     r"""Return area, separation, stiffness and energy of the foundation, exactly.
 
     The equations stand at the top of this module. A spring that just touches (δ = 0)
@@ -155,7 +164,7 @@ def foundation_curve(
 
     Returns
     -------
-    Curve
+    CompleteCurve
         With E* = 1; ``diagnostics`` holds the numbers of ``springs_in_contact`` and of
         connected ``regions`` (int64). At full contact the stiffness is inf and the
         separation exactly 0.
@@ -186,7 +195,7 @@ def foundation_curve(
         return refuse_overflow(_evaluate(_events(heights, side, ends), p, side))
 
 
-def _evaluate(events: _Events, p: FloatArray, length: float) -> Curve:
+def _evaluate(events: _Events, p: FloatArray, length: float) -> CompleteCurve:
     n = events.depth.size
     k = np.searchsorted(events.pressure, p, side="right")
     last = k - 1  # the event before p; the first one is at p = 0
@@ -200,7 +209,7 @@ def _evaluate(events: _Events, p: FloatArray, length: float) -> Curve:
     stiffness = np.full(p.shape, math.inf)
     partial = k < n
     stiffness[partial] = (4.0 / (math.pi * length)) * k[partial] / (n - k[partial])
-    return Curve(
+    return CompleteCurve(
         pressure=p,
         area=events.squares[k] / float(n) ** 2,
         separation=gap / n,
@@ -262,21 +271,12 @@ class Foundation(Model):
             )
         return self.springs
 
-    def curve(
-        self,
-        sample: Sample,
-        pressures: FloatArray,
-        *,
-        threads: int = 1,
-        solved: Solved | None = None,
-    ) -> Curve:
-        """Return the exact curve of one line; a single thread is all it takes.
-
-        The pressure of its fields is that per nominal area, (4/π)E*δ/L.
-        """
-        del threads
+    def curve(self, sample: Sample, pressures: FloatArray) -> CompleteCurve:
+        """Return the exact curve of one line."""
         if sample.heights is None:
             raise SolverError("the foundation needs the heights of a line")
-        curve = foundation_curve(sample.heights, pressures, sample.length, self.ends)
-        hand_out_fields(sample.heights, curve, 4.0 / (math.pi * sample.length), solved)
-        return curve
+        return foundation_curve(sample.heights, pressures, sample.length, self.ends)
+
+    def make_fields(self, sample: Sample) -> Callable[[State], Fields]:
+        """Return what computes them; the pressure is that per nominal area, (4/π)E*δ/L."""
+        return make_spring_fields(sample, 4.0 / (math.pi * sample.length))

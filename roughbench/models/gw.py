@@ -40,7 +40,7 @@ from roughbench.models._asperities import Distribution, counted_curve, integrate
 from roughbench.models._checks import checked_length, checked_pressures
 from roughbench.models._grids import GridOption, HeightsOrSpectrum
 from roughbench.models._summits import find_summits
-from roughbench.models.base import Curve, FloatArray, Sample, Solved
+from roughbench.models.base import CompleteCurve, FloatArray, Sample
 from roughbench.spectrum import Spectrum
 
 SummitSource = Literal["nayak", "counted"]
@@ -101,7 +101,7 @@ def summit_statistics(spectrum: Spectrum) -> SummitStatistics:
     )
 
 
-def gw_curve(spectrum: Spectrum, pressures: ArrayLike) -> Curve:
+def gw_curve(spectrum: Spectrum, pressures: ArrayLike) -> CompleteCurve:
     r"""Return Greenwood and Williamson's curve of a spectrum.
 
     The equations stand at the top of this module.
@@ -114,7 +114,7 @@ def gw_curve(spectrum: Spectrum, pressures: ArrayLike) -> Curve:
 
     Returns
     -------
-    Curve
+    CompleteCurve
         With E* = 1. At high pressure the model leaves its ground: ū falls below zero, and
         A/A0 rises above one.
 
@@ -142,7 +142,7 @@ def gw_curve(spectrum: Spectrum, pressures: ArrayLike) -> Curve:
     return integrated_curve(summits, p)
 
 
-def counted_gw_curve(heights: ArrayLike, pressures: ArrayLike, length: float) -> Curve:
+def counted_gw_curve(heights: ArrayLike, pressures: ArrayLike, length: float) -> CompleteCurve:
     """Return the curve of spheres of one radius at the summits of given heights.
 
     Parameters
@@ -156,7 +156,7 @@ def counted_gw_curve(heights: ArrayLike, pressures: ArrayLike, length: float) ->
 
     Returns
     -------
-    Curve
+    CompleteCurve
         With E* = 1; ``diagnostics`` has the ``summits_in_contact``.
 
     Raises
@@ -192,16 +192,8 @@ class AsperityModel(HeightsOrSpectrum):
         """Whether it works on the heights of surfaces."""
         return self.summits == "counted"
 
-    def curve(
-        self,
-        sample: Sample,
-        pressures: FloatArray,
-        *,
-        threads: int = 1,
-        solved: Solved | None = None,
-    ) -> Curve:
+    def curve(self, sample: Sample, pressures: FloatArray) -> CompleteCurve:
         """Return the curve of the spectrum, or of the summits of one surface."""
-        del threads, solved
         if not self.uses_heights:
             if sample.spectrum is None:
                 raise SurfaceError(f"{self.kind} with summits: nayak needs a spectrum")
@@ -211,12 +203,12 @@ class AsperityModel(HeightsOrSpectrum):
         return self._of_heights(sample.heights, pressures, sample.length)
 
     @abstractmethod
-    def _of_spectrum(self, spectrum: Spectrum, pressures: FloatArray) -> Curve: ...
+    def _of_spectrum(self, spectrum: Spectrum, pressures: FloatArray) -> CompleteCurve: ...
 
     @abstractmethod
     def _of_heights(
         self, heights: FloatArray, pressures: FloatArray, length: float
-    ) -> Curve: ...
+    ) -> CompleteCurve: ...
 
 
 class GreenwoodWilliamson(AsperityModel):
@@ -229,8 +221,10 @@ class GreenwoodWilliamson(AsperityModel):
         """Name in legends and tables."""
         return "Greenwood–Williamson" + (", counted summits" if self.uses_heights else "")
 
-    def _of_spectrum(self, spectrum: Spectrum, pressures: FloatArray) -> Curve:
+    def _of_spectrum(self, spectrum: Spectrum, pressures: FloatArray) -> CompleteCurve:
         return gw_curve(spectrum, pressures)
 
-    def _of_heights(self, heights: FloatArray, pressures: FloatArray, length: float) -> Curve:
+    def _of_heights(
+        self, heights: FloatArray, pressures: FloatArray, length: float
+    ) -> CompleteCurve:
         return counted_gw_curve(heights, pressures, length)

@@ -45,7 +45,7 @@ from roughbench.models._asperities import Distribution, counted_curve, integrate
 from roughbench.models._checks import checked_length, checked_pressures
 from roughbench.models._gaussian_excess import Weight
 from roughbench.models._summits import find_summits
-from roughbench.models.base import Curve, FloatArray
+from roughbench.models.base import CompleteCurve, FloatArray
 from roughbench.models.gw import AsperityModel
 from roughbench.spectrum import Spectrum
 
@@ -54,7 +54,7 @@ _REACH = 9.0
 """Standard deviations of the curvature at a given height that are integrated over."""
 
 
-def elliptic_curve(spectrum: Spectrum, pressures: ArrayLike) -> Curve:
+def elliptic_curve(spectrum: Spectrum, pressures: ArrayLike) -> CompleteCurve:
     r"""Return the curve of the simplified elliptic model of a spectrum.
 
     The equations stand at the top of this module.
@@ -67,7 +67,7 @@ def elliptic_curve(spectrum: Spectrum, pressures: ArrayLike) -> Curve:
 
     Returns
     -------
-    Curve
+    CompleteCurve
         With E* = 1. At high pressure the model leaves its ground: ū falls below zero, and
         A/A0 rises above one.
 
@@ -136,7 +136,9 @@ def make_weight(order: float, correlation: float) -> Weight:
     return weight
 
 
-def counted_elliptic_curve(heights: ArrayLike, pressures: ArrayLike, length: float) -> Curve:
+def counted_elliptic_curve(
+    heights: ArrayLike, pressures: ArrayLike, length: float
+) -> CompleteCurve:
     """Return the curve of the summits of given heights, each with its own curvatures.
 
     Parameters
@@ -150,7 +152,7 @@ def counted_elliptic_curve(heights: ArrayLike, pressures: ArrayLike, length: flo
 
     Returns
     -------
-    Curve
+    CompleteCurve
         With E* = 1; ``diagnostics`` has the ``summits_in_contact``.
 
     Raises
@@ -173,8 +175,10 @@ class Elliptic(AsperityModel):
         """Name in legends and tables."""
         return "Elliptic asperities" + (", counted" if self.uses_heights else "")
 
-    def _of_spectrum(self, spectrum: Spectrum, pressures: FloatArray) -> Curve:
+    def _of_spectrum(self, spectrum: Spectrum, pressures: FloatArray) -> CompleteCurve:
         return elliptic_curve(spectrum, pressures)
 
-    def _of_heights(self, heights: FloatArray, pressures: FloatArray, length: float) -> Curve:
+    def _of_heights(
+        self, heights: FloatArray, pressures: FloatArray, length: float
+    ) -> CompleteCurve:
         return counted_elliptic_curve(heights, pressures, length)

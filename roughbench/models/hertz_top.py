@@ -57,7 +57,7 @@ from roughbench.models._checks import (
     checked_pressures,
 )
 from roughbench.models._grids import GridOption, HeightsOrSpectrum
-from roughbench.models.base import Curve, FloatArray, Sample, Solved, Status
+from roughbench.models.base import CompleteCurve, FloatArray, Sample, Status
 from roughbench.spectrum import Spectrum, power_integral, wavenumbers
 
 REACH = 1.75
@@ -151,7 +151,7 @@ def asperity_of_heights(heights: ArrayLike, length: float, reach: float = REACH)
     return Asperity(float(h.max() - h.mean()), radii, curvature)
 
 
-def hertz_top_curve(asperity: Asperity, pressures: ArrayLike, length: float) -> Curve:
+def hertz_top_curve(asperity: Asperity, pressures: ArrayLike, length: float) -> CompleteCurve:
     """Return the curve of a cell that touches with one asperity only.
 
     Parameters
@@ -164,7 +164,7 @@ def hertz_top_curve(asperity: Asperity, pressures: ArrayLike, length: float) -> 
 
     Returns
     -------
-    Curve
+    CompleteCurve
         With E* = 1. Where no radius carries the load, because the contact would be as wide
         as the longest wave, all values are nan and the status NOT_FINITE. Where the
         curvature falls so fast that several radii carry the load, it is the smallest.
@@ -214,7 +214,7 @@ def hertz_top_curve(asperity: Asperity, pressures: ArrayLike, length: float) -> 
         work[begin] + _integral(start[i], start_r[i], power[i], stretch, 2),
     )
     radius, sunk, work = (np.where(carried, x, math.nan) for x in (radius, sunk, work))
-    return Curve(
+    return CompleteCurve(
         pressure=p,
         area=math.pi * radius**2 / nominal,
         separation=asperity.top - sunk,
@@ -337,16 +337,8 @@ class HertzTop(HeightsOrSpectrum):
         """Name in legends and tables."""
         return "Highest asperity" + ("" if self.uses_heights else ", of the spectrum")
 
-    def curve(
-        self,
-        sample: Sample,
-        pressures: FloatArray,
-        *,
-        threads: int = 1,
-        solved: Solved | None = None,
-    ) -> Curve:
+    def curve(self, sample: Sample, pressures: FloatArray) -> CompleteCurve:
         """Return the curve of the top of one surface, or of a typical one."""
-        del threads, solved
         if not self.uses_heights:
             if sample.spectrum is None:
                 raise SurfaceError("hertz_top with radius: spectrum needs a spectrum")

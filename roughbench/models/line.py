@@ -23,25 +23,19 @@ Source: H. M. Westergaard (1939) for the periodic half-plane; the solver is that
 from __future__ import annotations
 
 import math
-from typing import ClassVar, Literal
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from pydantic import Field
 
 from roughbench.errors import SolverError
 from roughbench.inputs import float_array
 from roughbench.models._checks import checked_length
 from roughbench.models._grids import GridOption, chosen_grid
-from roughbench.models.base import (
-    Curve,
-    FloatArray,
-    Model,
-    Sample,
-    Snapshot,
-    Solved,
-    TakeFields,
-)
+from roughbench.models.base import FloatArray, Model, Sample, State
 from roughbench.models.halfspace.options import PrecisionOption, ToleranceOption
 from roughbench.spectrum import Spectrum
 
@@ -103,34 +97,29 @@ class Line(Model):
         """Points on the line: the option, or sixteen per shortest wavelength."""
         return chosen_grid(self.points, spectrum, length, _PER_WAVE)
 
-    def curve(
+    def states(
         self,
         sample: Sample,
         pressures: FloatArray,
         *,
         threads: int = 1,
-        solved: Solved | None = None,
-    ) -> Curve:
-        """Solve the states at ``pressures`` on the line of the sample."""
+        finished: Mapping[str, NDArray[Any]] | None = None,
+    ) -> Iterator[State]:
+        """Solve the states on the line of the sample."""
         # Numba and FFTW load only where they are needed.
-        from roughbench.models.halfspace.contact import solve_curve
+        from roughbench.models.halfspace.contact import solve_states
 
+        del finished
         if sample.heights is None or sample.heights.ndim != 1:
             raise SolverError("the half-plane needs the heights of a line, shape (n,)")
-
-        def one_more(
-            _snapshot: Snapshot | None = None, fields: TakeFields | None = None, /
-        ) -> None:
-            # A line takes seconds: it is not worth a checkpoint, and offers none.
-            if solved is not None:
-                solved(None, fields)
-
-        return solve_curve(
+        states = solve_states(
             sample.heights,
             pressures,
             length=sample.length,
             tolerance=self.tolerance,
             precision=self.precision,
             threads=threads,
-            solved=one_more,
         )
+        for state in states:
+            # A line takes seconds: it is not worth a checkpoint, and offers none.
+            yield replace(state, snapshot=None)

@@ -53,7 +53,7 @@ from roughbench.errors import SolverError, SurfaceError
 from roughbench.inputs import real_number
 from roughbench.models._checks import checked_length, checked_positive, checked_pressures
 from roughbench.models._persson_quadrature import Quadrature, make_quadrature
-from roughbench.models.base import Curve, FloatArray, Model, Sample, Solved, Status
+from roughbench.models.base import CompleteCurve, FloatArray, Model, Sample, Status
 from roughbench.spectrum import Spectrum
 
 FiniteSize = Literal["none", "max", "blend"]
@@ -65,7 +65,9 @@ _BLOCK = 1 << 17
 """Points times pressures evaluated at once, so that they stay in the cache."""
 
 
-def persson_curve(spectrum: Spectrum, pressures: ArrayLike, gamma: float = 0.45) -> Curve:
+def persson_curve(
+    spectrum: Spectrum, pressures: ArrayLike, gamma: float = 0.45
+) -> CompleteCurve:
     r"""Return Persson's area, separation, stiffness and energy; bulk, no finite size.
 
     The equations stand at the top of this module.
@@ -82,7 +84,7 @@ def persson_curve(spectrum: Spectrum, pressures: ArrayLike, gamma: float = 0.45)
 
     Returns
     -------
-    Curve
+    CompleteCurve
         With E* = 1. At pressures so high that the separation is zero in double
         precision (p/E* > 19 ξ) the stiffness is inf.
 
@@ -113,7 +115,7 @@ def persson_curve(spectrum: Spectrum, pressures: ArrayLike, gamma: float = 0.45)
     return _evaluate(make_quadrature(spectrum, p.min(initial=math.inf)), p, gamma)
 
 
-def _evaluate(rule: Quadrature, p: FloatArray, gamma: float) -> Curve:
+def _evaluate(rule: Quadrature, p: FloatArray, gamma: float) -> CompleteCurve:
     from scipy.special import erf
 
     w = math.sqrt(2.0) / rule.slope
@@ -131,7 +133,7 @@ def _evaluate(rule: Quadrature, p: FloatArray, gamma: float) -> Curve:
             energy[part] = (contact * (gamma + (1.0 - gamma) * squared)) @ rule.energy
     with np.errstate(divide="ignore", over="ignore"):
         stiffness = p / compliance
-    return Curve(
+    return CompleteCurve(
         pressure=p,
         area=np.asarray(erf(math.sqrt(2.0) / rule.slope_end * p)),
         separation=separation,
@@ -422,16 +424,8 @@ class Persson(Model):
             if self.finite_size not in choices
         }
 
-    def curve(
-        self,
-        sample: Sample,
-        pressures: FloatArray,
-        *,
-        threads: int = 1,
-        solved: Solved | None = None,
-    ) -> Curve:
+    def curve(self, sample: Sample, pressures: FloatArray) -> CompleteCurve:
         """Return the curve of the sample's spectrum; heights are not looked at."""
-        del threads, solved
         if sample.spectrum is None:
             raise SurfaceError(
                 "Persson's theory needs a spectrum; measured_spectrum gives that of heights"

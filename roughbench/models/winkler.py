@@ -37,6 +37,7 @@ the bearing area; the modulus is chosen here.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -53,8 +54,8 @@ from roughbench.models._checks import (
 )
 from roughbench.models._gaussian_excess import log_excess
 from roughbench.models._grids import GridOption, HeightsOrSpectrum
-from roughbench.models._springs import hand_out_fields
-from roughbench.models.base import Curve, FloatArray, Sample, Solved, Status
+from roughbench.models._springs import make_spring_fields
+from roughbench.models.base import CompleteCurve, Fields, FloatArray, Sample, State, Status
 from roughbench.spectrum import mode_power, wavenumbers
 
 
@@ -91,7 +92,7 @@ def _events(heights: ArrayLike) -> _Events:
     return _Events(depth, compressed, gap[::-1], work)
 
 
-def winkler_curve(heights: ArrayLike, pressures: ArrayLike, modulus: float) -> Curve:
+def winkler_curve(heights: ArrayLike, pressures: ArrayLike, modulus: float) -> CompleteCurve:
     r"""Return area, separation, stiffness and energy of the springs, exactly.
 
     The equations stand at the top of this module. A point that just touches (δ = 0)
@@ -108,7 +109,7 @@ def winkler_curve(heights: ArrayLike, pressures: ArrayLike, modulus: float) -> C
 
     Returns
     -------
-    Curve
+    CompleteCurve
         With E* = 1. At full contact the stiffness is inf and the separation exactly 0.
 
     Raises
@@ -134,7 +135,7 @@ def winkler_curve(heights: ArrayLike, pressures: ArrayLike, modulus: float) -> C
         return refuse_overflow(_evaluate(_events(heights), p, k_w))
 
 
-def _evaluate(events: _Events, p: FloatArray, k_w: float) -> Curve:
+def _evaluate(events: _Events, p: FloatArray, k_w: float) -> CompleteCurve:
     n = events.depth.size
     load = n * p / k_w  # Σδ
     k = np.searchsorted(events.compressed, load, side="right")
@@ -149,7 +150,7 @@ def _evaluate(events: _Events, p: FloatArray, k_w: float) -> Curve:
     stiffness = np.full(p.shape, math.inf)
     partial = k < n
     stiffness[partial] = k_w * k[partial] / (n - k[partial])
-    return Curve(
+    return CompleteCurve(
         pressure=p,
         area=k / n,
         separation=gap / n,
@@ -159,7 +160,9 @@ def _evaluate(events: _Events, p: FloatArray, k_w: float) -> Curve:
     )
 
 
-def gaussian_winkler_curve(rms_height: float, pressures: ArrayLike, modulus: float) -> Curve:
+def gaussian_winkler_curve(
+    rms_height: float, pressures: ArrayLike, modulus: float
+) -> CompleteCurve:
     r"""Return the curve of the springs under normally distributed heights.
 
     Parameters
@@ -173,7 +176,7 @@ def gaussian_winkler_curve(rms_height: float, pressures: ArrayLike, modulus: flo
 
     Returns
     -------
-    Curve
+    CompleteCurve
         With E* = 1. There is no full contact: however deep, some points lie deeper.
 
     Raises
@@ -203,7 +206,7 @@ def gaussian_winkler_curve(rms_height: float, pressures: ArrayLike, modulus: flo
         variance = np.where(
             t >= 0.0, missed - lift**2, 1.0 - (missed - lift**2) - 2.0 * lift * depth
         )
-    return Curve(
+    return CompleteCurve(
         pressure=p,
         area=np.exp(log_ndtr(-t)),
         separation=h * np.exp(gap),
@@ -319,16 +322,8 @@ class Winkler(HeightsOrSpectrum):
         limit = "" if self.uses_heights else ", Gaussian limit"
         return f"Winkler (2D springs{limit})"
 
-    def curve(
-        self,
-        sample: Sample,
-        pressures: FloatArray,
-        *,
-        threads: int = 1,
-        solved: Solved | None = None,
-    ) -> Curve:
+    def curve(self, sample: Sample, pressures: FloatArray) -> CompleteCurve:
         """Return the exact curve of one surface, or that of the Gaussian limit."""
-        del threads
         if not self.uses_heights:
             if sample.spectrum is None:
                 raise SurfaceError("the Gaussian limit needs the spectrum of the heights")
@@ -337,6 +332,8 @@ class Winkler(HeightsOrSpectrum):
         if sample.heights is None or sample.heights.ndim != 2:
             raise SolverError("the springs need the heights of a surface, shape (n, m)")
         modulus = self.modulus or matched_modulus(sample)
-        curve = winkler_curve(sample.heights, pressures, modulus)
-        hand_out_fields(sample.heights, curve, modulus, solved)
-        return curve
+        return winkler_curve(sample.heights, pressures, modulus)
+
+    def make_fields(self, sample: Sample) -> Callable[[State], Fields]:
+        """Return what computes them."""
+        return make_spring_fields(sample, self.modulus or matched_modulus(sample))

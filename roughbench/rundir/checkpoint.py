@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Any
@@ -18,7 +18,6 @@ import numpy as np
 from numpy.lib.npyio import NpzFile
 from numpy.typing import NDArray
 
-from roughbench.models.base import Snapshot
 from roughbench.publish import publish
 from roughbench.seal import check_seal, seal_file
 
@@ -44,7 +43,7 @@ class Checkpoint:
     _last: float = field(default_factory=time.monotonic)
     _cost: float = 0.0
 
-    def offer(self, done: int, snapshot: Snapshot) -> None:
+    def offer(self, done: int, snapshot: Callable[[], Mapping[str, NDArray[Any]]]) -> None:
         """Keep a snapshot after ``done`` states, if it is time for one.
 
         A disk that is full or gone does not end the computation: it goes on without.

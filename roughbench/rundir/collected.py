@@ -96,7 +96,7 @@ class Coverage:
             return None
         given = {name for name in names if name not in FIELD_VARIABLES}
         if self._names and self._names != given:
-            raise ValueError(f"has the variables {sorted(given)}, not {sorted(self._names)}")
+            raise ValueError(of_other_variables(given, self._names))
         theirs, ours = (np.array(side) for side in zip(*pairs, strict=True))
         square = np.ix_(rows, ours)
         fresh = ~self.known[square]
@@ -243,6 +243,16 @@ class Collected:
             ),
         }
         return {name: columns[name] for name in FIELD_VARIABLES}
+
+
+def of_other_variables(given: Iterable[str], before: Iterable[str]) -> str:
+    """Say that realizations differ in what there is of them."""
+    more, less = sorted(set(given).difference(before)), sorted(set(before).difference(given))
+    parts = [f"has no {', '.join(less)}"] * bool(less) + [f"has {', '.join(more)}"] * bool(more)
+    return (
+        f"{' and '.join(parts)}, unlike the realizations before; a model gives the same "
+        "quantities of all of them, nan where one is unknown"
+    )
 
 
 def places_of(block: Mapping[str, Array]) -> tuple[Place, ...]:

@@ -39,7 +39,8 @@ def assemble(cell: Cell, block: Block) -> ModelResult:
             summary = summarize(variables[name], converged)
             for statistic in STATISTICS:
                 variables[f"{name}_{statistic}"] = getattr(summary, statistic)
-    variables["stiffness_harmonic"] = harmonic_mean(variables["stiffness"], converged)
+    if "stiffness" in variables:
+        variables["stiffness_harmonic"] = harmonic_mean(variables["stiffness"], converged)
     variables |= observing.averages(cell, variables, converged)
     return ModelResult(
         label=cell.model.name,

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from roughbench.errors import RoughbenchError
 from roughbench.planning.plan import Block, Cell, Task, cut
 from roughbench.planning.resources import ResourceLimits
 from roughbench.rundir.collected import Collected, Coverage, places_of
@@ -78,7 +79,12 @@ class CellState:
 
     def add_block(self, task: Task, block: Block, usage: Mapping[str, Any]) -> None:
         """Take what a task has computed for a result, without a shard."""
-        self.coverage.take(task.realizations, task.pressure_array(), block, places_of(block))
+        try:
+            self.coverage.take(
+                task.realizations, task.pressure_array(), block, places_of(block)
+            )
+        except ValueError as error:
+            raise RoughbenchError(f"{task}: {error}") from error
         self.blocks.append((task, block))
         self.usages.append(dict(usage))
 

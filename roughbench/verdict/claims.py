@@ -148,7 +148,9 @@ def _taken(
     """Return a measurement with its outcome."""
     bound = bound if estimate.is_bound else ""
     outcome = decide(rule, estimate, bound)
-    if outcome == Outcome.NOT_TESTED:
+    if not estimate.is_given:
+        note = "the model does not give it"
+    elif outcome == Outcome.NOT_TESTED:
         note = "there is no such region, or no value in it"
     elif math.isnan(estimate.low) and estimate.count == 1:
         note = "; ".join(filter(None, (note, "a single surface: no error")))

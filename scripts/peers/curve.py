@@ -125,32 +125,29 @@ def run_peer(code: str, heights: Heights, arguments: list[float]) -> dict[str, A
 def run_roughbench(heights: Heights, arguments: list[float]) -> dict[str, Any]:
     """Solve the curve; a short one first, so that nothing is compiled in the timed one."""
     import roughbench as rb
+    from roughbench.models.halfspace.contact import solve_states
 
     length, tolerance, _, *loads = arguments
     rb.solve_curve(heights, loads[:1], length=length, tolerance=tolerance)
-    order = np.sort(loads)
-    stamps = [time.perf_counter()]
-    curve = rb.solve_curve(
-        heights,
-        order,
-        length=length,
-        tolerance=tolerance,
-        solved=lambda: stamps.append(time.perf_counter()),
-    )
-    states = [
-        {
-            "asked": float(load),
-            "seconds": stamps[i + 1] - stamps[i],
-            "iterations": int(curve.diagnostics["iterations"][i]),
-            "pairs": int(curve.diagnostics["transform_pairs"][i]),
-            "complementarity": float(curve.diagnostics["complementarity"][i]),
-            "penetration": float(curve.diagnostics["penetration"][i]),
-            "load": float(load * (1 + curve.diagnostics["load_error"][i])),
-            "area": float(curve.area_raw[i]),
-            "separation": float(curve.separation[i]),
-        }
-        for i, load in enumerate(order)
-    ]
+    states = []
+    start = time.perf_counter()
+    for state in solve_states(heights, loads, length=length, tolerance=tolerance):
+        end = time.perf_counter()
+        found = state.diagnostics
+        states.append(
+            {
+                "asked": state.pressure,
+                "seconds": end - start,
+                "iterations": int(found["iterations"]),
+                "pairs": int(found["transform_pairs"]),
+                "complementarity": float(found["complementarity"]),
+                "penetration": float(found["penetration"]),
+                "load": state.pressure * (1 + found["load_error"]),
+                "area": state.area_raw,
+                "separation": state.separation,
+            }
+        )
+        start = end
     return {"version": rb.__version__, "states": states, "memory": peak_memory()}
 
 

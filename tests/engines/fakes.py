@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar, Literal
@@ -14,14 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 import roughbench as rb
-from roughbench.models.base import Curve, FloatArray, Model, Sample, Solved, Status
+from roughbench.models.base import Curve, FloatArray, Model, Sample, State, Status
 
 Misdeed = Literal[
     "none",
     "unconverged",
     "nan area",
     "nan stiffness",
-    "shape",
     "refuse",
     "crash",
     "die",
@@ -53,15 +52,18 @@ class Fake(Model):
         del spectrum, length
         return 128
 
-    def curve(
+    def states(
         self,
         sample: Sample,
         pressures: FloatArray,
         *,
         threads: int = 1,
-        solved: Solved | None = None,
-    ) -> Curve:
-        del solved
+        finished: Mapping[str, NDArray[Any]] | None = None,
+    ) -> Iterator[State]:
+        assert finished is None
+        yield from self._curve(sample, pressures, threads).states()
+
+    def _curve(self, sample: Sample, pressures: FloatArray, threads: int) -> Curve:
         assert sample.heights is not None
         index = float(np.argmax(sample.heights))
         shape = pressures.shape
@@ -96,8 +98,6 @@ class Fake(Model):
             return replace(curve, area=np.array([np.nan, 0.0, np.inf]))
         if self.misdeed == "nan stiffness":
             return replace(curve, stiffness=np.full(shape, np.nan))
-        if self.misdeed == "shape":
-            return replace(curve, energy=np.zeros(2))
         return curve
 
 
@@ -109,42 +109,49 @@ class Steps(Fake):
 
     stop: int = 10**9
 
-    def curve(
+    def states(
         self,
         sample: Sample,
         pressures: FloatArray,
         *,
         threads: int = 1,
-        solved: Solved | None = None,
-    ) -> Curve:
-        return self.resume(sample, pressures, {}, threads=threads, solved=solved)
-
-    def resume(
-        self,
-        sample: Sample,
-        pressures: FloatArray,
-        finished: Mapping[str, NDArray[Any]],
-        *,
-        threads: int = 1,
-        solved: Solved | None = None,
-    ) -> Curve:
+        finished: Mapping[str, NDArray[Any]] | None = None,
+    ) -> Iterator[State]:
         del threads
         assert sample.heights is not None
-        area = [*finished.get("area", np.empty(0)).tolist()]
-        value = area[-1] if area else float(sample.heights.max())
-        for pressure in pressures[len(area) :]:
-            if len(area) == self.stop:
+        done, value = 0, float(sample.heights.max())
+        if finished is not None:
+            done, value = int(finished["done"]), float(finished["value"])
+        for pressure in pressures[done:].tolist():
+            if done == self.stop:
                 raise rb.SolverError("killed")
             value = float(np.sin(value) + pressure)
-            area.append(value)
-            if solved is not None:
-                solved(lambda: {"area": np.array(area)})
-        values = np.array(area)
-        return Curve(
-            pressure=pressures,
-            area=values,
-            separation=values,
-            stiffness=values,
-            energy=values,
-            status=np.zeros(values.shape, np.int32),
-        )
+            done += 1
+            arrays = {"done": np.array(done), "value": np.array(value)}
+            yield State(pressure, value, value, value, value, snapshot=arrays.copy)
+
+
+class AtOnce(Model):
+    """Area r + p of all pressures at once and, by ``misdeed``, no more, or what is wrong."""
+
+    dimension: ClassVar[int] = 1
+    title: ClassVar[str] = "Area only"
+
+    kind: Literal["at_once"] = "at_once"
+    misdeed: Literal["none", "shape", "pressures", "fickle"] = "none"
+
+    def grid_points(self, spectrum: object, length: float) -> int:
+        del spectrum, length
+        return 128
+
+    def curve(self, sample: Sample, pressures: FloatArray) -> Curve:
+        assert sample.heights is not None
+        index = float(np.argmax(sample.heights))
+        curve = Curve(pressure=pressures, area=index / 128.0 + pressures)
+        if self.misdeed == "shape":
+            return replace(curve, energy=np.zeros(2))
+        if self.misdeed == "pressures":
+            return replace(curve, pressure=2.0 * pressures)
+        if self.misdeed == "fickle" and index % 2:
+            return replace(curve, energy=pressures)
+        return curve

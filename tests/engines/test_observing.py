@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ import xarray
 import roughbench as rb
 from roughbench import runner
 from roughbench.models import MODELS
-from roughbench.models.base import Fields, Model, Sample, Status
+from roughbench.models.base import Fields, Model, State, Status
 from roughbench.models.halfspace import HalfSpace
 from roughbench.models.halfspace import contact as halfspace_contact
 from roughbench.models.winkler import Winkler, matched_modulus
@@ -291,17 +292,17 @@ def test_nobody_is_asked_for_fields_that_nobody_wants(monkeypatch: pytest.Monkey
 def test_models_with_fields_are_those_that_hand_them_out(kind: str, spec: Spec) -> None:
     model: Model = MODELS[kind](kind=kind)
     sample = make_sample(spec.surface, model, 5, 0)
-    handed: list[Any] = []
-    model.curve(
-        sample,
-        np.array([1e-3, 1e-2]),
-        solved=lambda *given: handed.append([*given, None, None][1]),
-    )
     assert model.has_fields == (kind in WITH_FIELDS)
-    assert sum(take is not None for take in handed) == 2 * model.has_fields
-    for take in handed if model.has_fields else []:
-        assert sample.heights is not None
-        assert take().pressure.shape == take().gap.shape == sample.heights.shape
+    pressures = []
+    for state in model.states(sample, np.array([1e-3, 1e-2])):
+        pressures.append(state.pressure)
+        assert (state.fields is not None) == model.has_fields
+        if state.fields is not None:
+            assert sample.heights is not None
+            fields = state.fields()
+            assert fields.pressure.shape == fields.gap.shape == sample.heights.shape
+            assert (fields.pressure > 0).any()
+    assert pressures == [1e-3, 1e-2]
     assert Winkler(heights="gaussian").has_fields is False
 
 
@@ -447,24 +448,20 @@ def spoil(monkeypatch: pytest.MonkeyPatch) -> Callable[[Status, float], None]:
     """Return a callable that spoils all states past p/E* = 0.01."""
 
     def do(status: Status, value: float) -> None:
-        real = HalfSpace.curve
+        real = HalfSpace.states
 
-        def curve(
-            model: HalfSpace, sample: Sample, pressures: Any, *, solved: Any, **options: Any
-        ) -> Any:
-            states = iter(pressures.tolist())
+        def spoilt(state: State) -> State:
+            assert state.fields is not None
+            if state.pressure < 0.01:
+                return state
+            found = state.fields()
+            bad = Fields(np.full_like(found.pressure, value), found.gap)
+            return replace(state, status=status, fields=lambda: bad)
 
-            def one_more(snapshot: Any = None, fields: Any = None, /) -> None:
-                good = next(states) < 0.01
-                found = fields()
-                bad = Fields(np.full_like(found.pressure, value), found.gap)
-                solved(snapshot, fields if good else lambda: bad)
+        def states(*arguments: Any, **options: Any) -> Iterator[State]:
+            return map(spoilt, real(*arguments, **options))
 
-            found = real(model, sample, pressures, solved=one_more, **options)
-            found.status[pressures > 0.01] = status
-            return found
-
-        monkeypatch.setattr(HalfSpace, "curve", curve)
+        monkeypatch.setattr(HalfSpace, "states", states)
 
     return do
 

@@ -12,7 +12,7 @@ from roughbench.errors import SolverError, SurfaceError
 from roughbench.models._asperities import counted_curve
 from roughbench.models._gaussian_excess import log_excess
 from roughbench.models._summits import find_summits
-from roughbench.models.base import Curve, Sample
+from roughbench.models.base import CompleteCurve, Sample
 from roughbench.models.bgt import BushGibsonThomas, bgt_curve
 from roughbench.models.gw import (
     GreenwoodWilliamson,
@@ -37,7 +37,7 @@ def spectrum(q_rolloff: float = 8, q_max: float = 128, q_min: float = 1) -> Spec
     return self_affine(hurst=0.7, q_min=q_min, q_rolloff=q_rolloff, q_max=q_max, rms_slope=0.1)
 
 
-def slopes(curve: Curve) -> FloatArray:
+def slopes(curve: CompleteCurve) -> FloatArray:
     """κ = A ξ/p with ξ = 0.1."""
     return curve.area * 0.1 / curve.pressure
 

@@ -503,7 +503,7 @@ def test_the_model_computes_the_curve_of_its_ends() -> None:
     p = np.array([0.05, 0.01])
     for ends in ENDS:
         model = Foundation(springs=16, ends=ends)
-        curve = model.curve(sample, p, threads=2)
+        curve = model.curve(sample, p)
         assert_same(curve, foundation_curve(heights, p, 2.0, ends))
         assert curve.pressure.tolist() == p.tolist()
         assert (curve.status == Status.CONVERGED).all()

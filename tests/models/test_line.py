@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from roughbench.errors import SolverError, SurfaceError
-from roughbench.models.base import Sample
+from roughbench.models.base import CompleteCurve, FloatArray, Sample
 from roughbench.models.line import Line, single_contact_stiffness
 from roughbench.spectrum import Spectrum, self_affine
 from roughbench.surface import make_profile, realization_generator
@@ -20,6 +20,14 @@ def spectrum(q_rolloff: float, q_max: float) -> Spectrum:
     return self_affine(hurst=0.7, q_min=1, q_rolloff=q_rolloff, q_max=q_max, rms_slope=0.1)
 
 
+def curve_of(
+    model: Line, heights: FloatArray, length: float, pressures: FloatArray
+) -> CompleteCurve:
+    return CompleteCurve.from_states(
+        model.states(Sample(heights, length), pressures), pressures
+    )
+
+
 def test_a_wave_follows_westergaard() -> None:
     """h0 cos(2πx/λ), P = p/p*, p* = πE*h0/λ: A = (2/π)asin√P, ū = h0(1 - P + P ln P),
     U = h0 p* P²(¼ - ½ ln P), K = p*/(h0 ln(1/P))."""  # noqa: D209, D205
@@ -27,9 +35,7 @@ def test_a_wave_follows_westergaard() -> None:
     heights = h0 * np.cos(2 * np.pi * np.arange(n) / n)
     full = math.pi * h0 / length
     share = np.array([0.02, 0.2, 0.5, 0.9])
-    curve = Line(precision="double", tolerance=1e-9).curve(
-        Sample(heights, length), share * full
-    )
+    curve = curve_of(Line(precision="double", tolerance=1e-9), heights, length, share * full)
     assert (curve.status == 0).all()
     np.testing.assert_allclose(curve.area, 2 / np.pi * np.arcsin(np.sqrt(share)), atol=2.5 / n)
     u = h0 * (1 - share + share * np.log(share))
@@ -45,7 +51,7 @@ def test_a_single_contact_is_a_flat_punch_whatever_its_shape() -> None:
     n = 4096
     x = (np.arange(n) - n / 2) / n
     heights = np.where(x < 0, -3.0 * x**2, -8.0 * x**2 - 0.1 * x)
-    curve = Line().curve(Sample(heights, 1.0), np.array([1e-3, 1e-2, 5e-2]))
+    curve = curve_of(Line(), heights, 1.0, np.array([1e-3, 1e-2, 5e-2]))
     assert (curve.status == 0).all()
     expected = single_contact_stiffness(curve.area, 1.0)
     # The width is uncertain by a point at either edge.
@@ -68,7 +74,7 @@ def test_stiffness_falls_logarithmically_at_low_pressure() -> None:
     """Over eight decades K falls by a small factor: no power law p^{1/(1+H)}."""
     spec = spectrum(1, 64)
     heights = make_profile(spec, 1024, SIDE, realization_generator(1, 0))
-    curve = Line().curve(Sample(heights, SIDE, spec), np.array([1e-10, 1e-2]))
+    curve = curve_of(Line(), heights, SIDE, np.array([1e-10, 1e-2]))
     assert (curve.status == 0).all()
     popov_and_surface = 1e-8 ** (1 / 1.7)
     assert 100 * popov_and_surface < curve.stiffness[0] / curve.stiffness[1] < 0.5
@@ -130,10 +136,12 @@ def test_options_and_refusals() -> None:
         Line().curve(Sample(np.zeros((4, 4)), 1.0), np.array([1.0]))
 
 
-def test_every_pressure_is_reported_without_a_snapshot() -> None:
-    calls: list[tuple[object, ...]] = []
+def test_every_state_comes_without_a_snapshot() -> None:
     spec = spectrum(1, 16)
     sample = Sample(make_profile(spec, 256, SIDE, realization_generator(0, 0)), SIDE, spec)
-    Line().curve(sample, np.array([1e-3, 1e-2]), solved=lambda *given: calls.append(given))
-    assert [given[0] for given in calls] == [None, None]
+    states = list(Line().states(sample, np.array([1e-2, 1e-3])))
+    assert [(state.pressure, state.snapshot) for state in states] == [
+        (1e-3, None),
+        (1e-2, None),
+    ]
     assert Line().curve(sample, np.array([1e-3])).area.size == 1

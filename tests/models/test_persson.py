@@ -16,7 +16,7 @@ from pydantic import ValidationError
 
 from roughbench.errors import SolverError, SurfaceError
 from roughbench.models._persson_quadrature import make_quadrature
-from roughbench.models.base import Curve, Sample, Status
+from roughbench.models.base import CompleteCurve, Sample, Status
 from roughbench.models.persson import (
     Asymptotes,
     Persson,
@@ -468,7 +468,7 @@ def test_finite_size_stiffness_is_a_power_law_of_the_pressure_and_the_cell() -> 
     np.testing.assert_allclose(twice / one, 3 * 4 ** (-0.7 / 1.7))
 
 
-def curve_of(model: Persson, p: FloatArray, spectrum: Spectrum) -> Curve:
+def curve_of(model: Persson, p: FloatArray, spectrum: Spectrum) -> CompleteCurve:
     return model.curve(Sample(heights=None, length=2 * math.pi, spectrum=spectrum), p)
 
 

@@ -16,10 +16,10 @@ from roughbench.models.foundation import foundation_curve
 from roughbench.models.persson import Persson, persson_curve
 from roughbench.planning.plan import Cell, Task, cut
 from roughbench.planning.samples import make_sample
-from roughbench.runner import Progress, check, plan
+from roughbench.runner import Progress, check, driver, plan
 from roughbench.runner.assemble import assemble
 from roughbench.spec import load_spec
-from tests.engines.fakes import Fake, Misdeed
+from tests.engines.fakes import AtOnce, Fake, Misdeed
 
 
 @pytest.fixture
@@ -151,8 +151,30 @@ def test_optional_variables_and_diagnostics_are_kept(cell: Cell, tmp_path: Path)
 
 
 def test_a_curve_of_another_shape_is_an_error(cell: Cell) -> None:
-    with pytest.raises(ValueError, match=r"energy has shape \(2,\), the pressures \(3,\)"):
-        computed(cell, "shape")
+    with pytest.raises(rb.SolverError, match=r"energy has shape \(2,\), the pressures \(3,\)"):
+        compute(whole(replace(cell, model=AtOnce(misdeed="shape"))))
+    with pytest.raises(rb.SolverError, match="not of the pressures that were asked for"):
+        compute(whole(replace(cell, model=AtOnce(misdeed="pressures"))))
+
+
+def test_a_model_gives_the_same_quantities_of_all_realizations(
+    small_spec: dict[str, Any], cell: Cell, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def one_by_one(
+        cell: Cell, rows: range, pressures: tuple[float, ...], **_: Any
+    ) -> list[Task]:
+        return [Task(cell, range(row, row + 1), pressures) for row in rows]
+
+    fickle = replace(cell, model=AtOnce(misdeed="fickle"), n_realizations=8)
+    message = r"main/at_once, realization . of 8: has .*energy, unlike the realizations before"
+    with pytest.raises(rb.SolverError, match=message):
+        compute(whole(fickle))
+    # The same where each realization is a task, with a run directory and without.
+    monkeypatch.setattr(driver, "plan", lambda _: [fickle])
+    monkeypatch.setattr("roughbench.runner.scan.cut", one_by_one)
+    for output in (None, tmp_path / "r.h5"):
+        with pytest.raises(rb.RoughbenchError, match="energy, unlike the realizations before"):
+            rb.run(small_spec, output=output)
 
 
 # -- tasks and processes -------------------------------------------------------------------

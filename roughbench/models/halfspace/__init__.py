@@ -8,7 +8,7 @@ it shares with :mod:`roughbench.models.line`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, ClassVar, Literal
 
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from pydantic import Field
 
 from roughbench.errors import SolverError
 from roughbench.models._grids import GridModel, GridOption
-from roughbench.models.base import Curve, FloatArray, Sample, Solved
+from roughbench.models.base import FloatArray, Sample, State
 from roughbench.models.halfspace.options import (
     CorrectionOption,
     PrecisionOption,
@@ -44,43 +44,21 @@ class HalfSpace(GridModel):
     precision: PrecisionOption = "mixed"
     correction: CorrectionOption = "perimeter"
 
-    def curve(
+    def states(
         self,
         sample: Sample,
         pressures: FloatArray,
         *,
         threads: int = 1,
-        solved: Solved | None = None,
-    ) -> Curve:
-        """Solve the states at ``pressures`` on the heights of the sample."""
-        return self._solve(sample, pressures, threads, solved, None)
-
-    def resume(
-        self,
-        sample: Sample,
-        pressures: FloatArray,
-        finished: Mapping[str, NDArray[Any]],
-        *,
-        threads: int = 1,
-        solved: Solved | None = None,
-    ) -> Curve:
-        """Go on from the last state that was solved."""
-        return self._solve(sample, pressures, threads, solved, finished)
-
-    def _solve(
-        self,
-        sample: Sample,
-        pressures: FloatArray,
-        threads: int,
-        solved: Solved | None,
-        finished: Mapping[str, NDArray[Any]] | None,
-    ) -> Curve:
+        finished: Mapping[str, NDArray[Any]] | None = None,
+    ) -> Iterator[State]:
+        """Solve the states on the heights of the sample, each started from its neighbour."""
         # Numba and FFTW load only where they are needed.
-        from roughbench.models.halfspace.contact import solve_curve
+        from roughbench.models.halfspace.contact import solve_states
 
         if sample.heights is None or sample.heights.ndim != 2:
             raise SolverError("the exact solver needs the heights of a surface, shape (n, m)")
-        return solve_curve(
+        return solve_states(
             sample.heights,
             pressures,
             length=sample.length,
@@ -88,6 +66,5 @@ class HalfSpace(GridModel):
             precision=self.precision,
             correction=self.correction,
             threads=threads,
-            solved=solved,
             finished=finished,
         )

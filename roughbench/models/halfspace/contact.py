@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import functools
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from functools import partial
 from typing import Any, TypedDict
 
 import numpy as np
@@ -20,7 +20,7 @@ from roughbench.inputs import (
     real_number,
     whole_number,
 )
-from roughbench.models.base import Curve, Fields, FloatArray, Solved, Status
+from roughbench.models.base import CompleteCurve, Fields, FloatArray, State, Status
 from roughbench.models.halfspace import memory
 from roughbench.models.halfspace.options import Correction, Precision
 from roughbench.models.halfspace.solver import (
@@ -206,9 +206,7 @@ def solve_curve(
     threads: int | None = None,
     max_iterations: int = 3000,
     correction: Correction = "perimeter",
-    solved: Solved | None = None,
-    finished: Mapping[str, NDArray[Any]] | None = None,
-) -> Curve:
+) -> CompleteCurve:
     """Solve states at many pressures on the same heights, each started from its neighbour.
 
     States are solved in the order of rising pressure, whatever order is asked for, so the
@@ -222,10 +220,6 @@ def solve_curve(
         Nominal pressures p > 0 in the unit of ``modulus``, in any order.
     length, modulus, tolerance, precision, threads, max_iterations, correction
         As in :func:`solve_contact`.
-    solved : callable, optional
-        Called after each pressure, with functions that return a snapshot and the fields.
-    finished : mapping of str to ndarray, optional
-        Snapshot of the same curve to go on from, to the bits it would have had.
 
     Returns
     -------
@@ -240,115 +234,167 @@ def solve_curve(
         If an argument is out of its range, the heights are not finite, or the grid does
         not fit into memory.
     """
+    states = solve_states(
+        heights,
+        pressures,
+        length=length,
+        modulus=modulus,
+        tolerance=tolerance,
+        precision=precision,
+        threads=threads,
+        max_iterations=max_iterations,
+        correction=correction,
+    )
+    # The states come first: they check the arguments.
+    return CompleteCurve.from_states(list(states), np.array(pressures, dtype=np.float64))
+
+
+def solve_states(
+    heights: ArrayLike,
+    pressures: ArrayLike,
+    *,
+    length: float = 1.0,
+    modulus: float = 1.0,
+    tolerance: float = 1e-6,
+    precision: Precision = "mixed",
+    threads: int | None = None,
+    max_iterations: int = 3000,
+    correction: Correction = "perimeter",
+    finished: Mapping[str, NDArray[Any]] | None = None,
+) -> Iterator[State]:
+    """Yield the states of :func:`solve_curve` one by one, in the order of rising pressure.
+
+    Parameters
+    ----------
+    heights, pressures, length, modulus, tolerance, precision, threads, max_iterations, \
+    correction
+        As in :func:`solve_curve`.
+    finished : mapping of str to ndarray, optional
+        Snapshot of a state of the same curve to go on from, to the bits it would have had.
+
+    Yields
+    ------
+    State
+        With fields and snapshots.
+    """
     problem = _Problem(
         heights, length, modulus, tolerance, precision, threads, max_iterations, correction
     )
-    loads = problem.loads(pressures)
-    progress = _Progress(loads.size) if finished is None else _Progress.since(finished)
-    states, solver = progress.states, problem.solver
+    loads, solver = problem.loads(pressures), problem.solver
+    nominal = np.array(pressures, dtype=np.float64)
+    latest = _Latest(problem) if finished is None else _Latest.since(problem, finished)
+    finished = None  # its vectors are those of the state before
     # Of the state before, one at most: nothing else may keep its vectors while the next
     # one is solved.
     before: list[tuple[float, WorkingSet, NDArray[np.floating]]] = []
-    if progress.last is not None:
-        before.append((*progress.last, solver.tangent(progress.last[1])[1]))
-    for i in np.argsort(loads, kind="stable")[progress.done :]:
-        load = float(loads[i])
-        state = states[i]
-        solution, pairs = None, solver.pairs
+    if latest.points is not None:
+        before.append((latest.load, latest.points, solver.tangent(latest.points)[1]))
+    for i in np.argsort(nominal, kind="stable")[latest.done :]:
+        load, pairs = float(loads[i]), solver.pairs
+        latest.begin(load)
         if load >= solver.full_load:
             before.clear()
-            state["area"] = state["area_raw"] = 1.0
-            state["separation"] = 0.0
-            state["stiffness"] = math.inf
-            state["energy"] = solver.full_energy * problem.energy_unit
-            certificate = solver.full_contact(load)
+            area = raw = 1.0
+            separation, stiffness = 0.0, math.inf
+            energy, certificate = solver.full_energy, solver.full_contact(load)
+            status, iterations = Status.CONVERGED, 0
         else:
-            progress.last = None
             start = solver.predict(*before.pop(), load) if before else None
             solution = solver.solve(load, solver.cold_start(load) if start is None else start)
             del start
-            state["area"], state["area_raw"] = solver.area(solution.points, problem.correction)
-            stiffness, rate = solver.tangent(solution.points)
+            area, raw = solver.area(solution.points, problem.correction)
+            tangent, rate = solver.tangent(solution.points)
             before = [(load, solution.points, rate)]
-            progress.last = load, solution.points
             del rate
-            state["separation"] = solution.separation * solver.rms
-            state["stiffness"] = stiffness * problem.pressure_unit / solver.rms
-            state["energy"] = solution.energy * problem.energy_unit
-            state["status"] = solution.status
-            state["iterations"] = solution.iterations
-            certificate = solution.certificate
-        state["complementarity"] = certificate.complementarity
-        state["penetration"] = certificate.penetration
-        state["load_error"] = certificate.load_error
-        state["transform_pairs"] = solver.pairs - pairs
-        progress.done += 1
-        if solved is not None:
-            solved(progress.snapshot, functools.partial(problem.fields, solution, load))
-    columns = {name: np.ascontiguousarray(states[name]) for name in states.dtype.names or ()}
-    return Curve(
-        pressure=np.array(pressures, dtype=np.float64),
-        diagnostics={name: columns.pop(name) for name in _DIAGNOSTICS},
-        **columns,
-    )
+            separation = solution.separation * solver.rms
+            stiffness = tangent * problem.pressure_unit / solver.rms
+            energy, certificate = solution.energy, solution.certificate
+            status, iterations = solution.status, solution.iterations
+            latest.solution = solution
+            del solution
+        yield State(
+            pressure=float(nominal[i]),
+            area=float(area),
+            separation=float(separation),
+            stiffness=float(stiffness),
+            energy=float(energy * problem.energy_unit),
+            status=status,
+            area_raw=float(raw),
+            diagnostics={
+                "complementarity": certificate.complementarity,
+                "penetration": certificate.penetration,
+                "load_error": certificate.load_error,
+                "iterations": np.int32(iterations),
+                "transform_pairs": np.int32(solver.pairs - pairs),
+            },
+            fields=partial(latest.fields, latest.done),
+            snapshot=partial(latest.snapshot, latest.done),
+        )
 
 
-_VALUES = ("area", "area_raw", "separation", "stiffness", "energy")
-_DIAGNOSTICS = {
-    "complementarity": np.float64,
-    "penetration": np.float64,
-    "load_error": np.float64,
-    "iterations": np.int32,
-    "transform_pairs": np.int32,
-}
-_STATE = np.dtype(
-    [*((name, np.float64) for name in _VALUES), ("status", np.int32), *_DIAGNOSTICS.items()]
-)
+class _Latest:
+    """The state that was solved last, and alone can be asked for fields or a snapshot.
 
-
-class _Progress:
-    """How far a curve has come.
+    A :class:`State` refers to it instead of its vectors: whoever keeps one keeps no vectors.
 
     Attributes
     ----------
-    states : ndarray of ``_STATE``, shape (k,)
-        In the caller's order; nan where not yet solved.
     done : int
-        States solved, in the order of rising pressure.
-    last : (float, WorkingSet), optional
-        Load and pressures of the last solved state that is not in full contact.
+        States begun, in the order of rising pressure.
+    load : float
+        Of the last one.
+    solution : Solution or None
+        Of the last one; None in full contact.
     """
 
-    def __init__(self, n: int) -> None:
-        self.states = np.zeros(n, _STATE)
-        for name in _VALUES:
-            self.states[name] = np.nan
+    def __init__(self, problem: _Problem) -> None:
         self.done = 0
-        self.last: tuple[float, WorkingSet] | None = None
+        self.load = math.nan
+        self.solution: Solution | None = None
+        self._problem = problem
+        self._resumed: WorkingSet | None = None
 
     @classmethod
-    def since(cls, finished: Mapping[str, NDArray[Any]]) -> _Progress:
+    def since(cls, problem: _Problem, finished: Mapping[str, NDArray[Any]]) -> _Latest:
         """Take up a snapshot."""
-        progress = cls(finished["status"].size)
-        for name in _STATE.names or ():
-            progress.states[name] = finished[name]
-        progress.done = int(finished["done"])
+        latest = cls(problem)
+        latest.done = int(finished["done"])
         if "load" in finished:
-            points = WorkingSet.under_pressure(
+            latest.load = float(finished["load"])
+            latest._resumed = WorkingSet.under_pressure(
                 int(finished["height"]), *(finished[name] for name in ("rows", "tiles", "p"))
             )
-            progress.last = float(finished["load"]), points
-        return progress
+        return latest
 
-    def snapshot(self) -> dict[str, NDArray[Any]]:
-        """Arrays to go on from: the states, and the pressures that the next one starts from."""
-        arrays = {name: np.ascontiguousarray(self.states[name]) for name in _STATE.names or ()}
-        arrays["done"] = np.array(self.done)
-        if self.last is not None:
-            load, points = self.last
-            arrays |= {"load": np.array(load), "height": np.array(points.height)}
+    @property
+    def points(self) -> WorkingSet | None:
+        """Pressures that the next state may start from."""
+        return self._resumed if self.solution is None else self.solution.points
+
+    def begin(self, load: float) -> None:
+        """Drop the vectors of the state before: the next one needs the room."""
+        self.done += 1
+        self.load = load
+        self.solution = self._resumed = None
+
+    def fields(self, done: int) -> Fields:
+        """Return the fields of the last state."""
+        self._check(done)
+        return self._problem.fields(self.solution, self.load)
+
+    def snapshot(self, done: int) -> dict[str, NDArray[Any]]:
+        """Arrays to go on from: the pressures that the next state starts from."""
+        self._check(done)
+        arrays = {"done": np.array(done)}
+        if self.solution is not None:
+            points = self.solution.points
+            arrays |= {"load": np.array(self.load), "height": np.array(points.height)}
             arrays |= {"rows": points.rows, "tiles": points.tiles, "p": points.p}
         return arrays
+
+    def _check(self, done: int) -> None:
+        if done != self.done:
+            raise RuntimeError("of an earlier state: ask before the next state is computed")
 
 
 class _Options(TypedDict):

@@ -6,15 +6,14 @@ import hashlib
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import pytest
 
-from roughbench.models.base import Fields
-from roughbench.models.halfspace.contact import solve_contact, solve_curve
+from roughbench.models.base import State
+from roughbench.models.halfspace.contact import solve_contact, solve_curve, solve_states
 from roughbench.models.halfspace.working_set import WorkingSet
 
 if TYPE_CHECKING:
@@ -123,37 +122,36 @@ def test_a_resumed_curve_is_the_same_to_the_bit(precision: str, rough: Rough) ->
     heights = rough(256, per_wave=4.0, q_rolloff=2.0)
     pressures = [0.3, 1e-2, 1e-6, 1e-7, 1e-3, 1e-5]
     options: dict[str, Any] = {"length": CELL, "precision": precision, "threads": 2}
+    whole: list[State] = []
     snapshots: list[dict[str, np.ndarray]] = []
-
-    def keep(
-        snapshot: Callable[[], Mapping[str, np.ndarray]] | None = None,
-        fields: Callable[[], Fields] | None = None,
-        /,
-    ) -> None:
-        assert snapshot is not None
-        assert fields is not None
+    for state in solve_states(heights, pressures, **options):
+        assert state.fields is not None
+        assert state.snapshot is not None
         if len(snapshots) % 2:  # to look at a state changes nothing
-            fields()
-        snapshots.append({name: np.array(value) for name, value in snapshot().items()})
-
-    whole = solve_curve(heights, pressures, solved=keep, **options)
-    assert len(snapshots) == len(pressures)
+            state.fields()
+        snapshots.append({name: np.array(value) for name, value in state.snapshot().items()})
+        whole.append(state)
+    assert [state.pressure for state in whole] == sorted(pressures)
     alone = solve_curve(heights, pressures, **options)
-    np.testing.assert_array_equal(alone.stiffness, whole.stiffness)
-    np.testing.assert_array_equal(alone.separation, whole.separation)
+    order = np.argsort(pressures)
+    assert alone.stiffness[order].tolist() == [state.stiffness for state in whole]
+    assert alone.separation[order].tolist() == [state.separation for state in whole]
     for done, snapshot in enumerate(snapshots, start=1):
-        later: list[None] = []
-        resumed = solve_curve(
-            heights,
-            pressures,
-            finished=snapshot,
-            solved=lambda *_, later=later: later.append(None),
-            **options,
-        )
-        assert len(later) == len(pressures) - done
-        for name in ("area", "area_raw", "separation", "stiffness", "energy", "status"):
-            np.testing.assert_array_equal(getattr(resumed, name), getattr(whole, name))
-        assert resumed.diagnostics is not None
-        assert whole.diagnostics is not None
-        for name, values in whole.diagnostics.items():
-            np.testing.assert_array_equal(resumed.diagnostics[name], values)
+        later = list(solve_states(heights, pressures, finished=snapshot, **options))
+        assert values(later) == values(whole[done:])
+
+
+def values(states: list[State]) -> list[object]:
+    return [(state.pressure, state.status, state.given()) for state in states]
+
+
+def test_a_state_speaks_for_itself_only_until_the_next_one(rough: Rough) -> None:
+    """It keeps no vectors; after it, they are those of another state."""
+    states = solve_states(rough(64), [1e-3, 1e-2], length=CELL, threads=1)
+    first, second = next(states), next(states)
+    for late in (first.fields, first.snapshot):
+        assert late is not None
+        with pytest.raises(RuntimeError, match="ask before the next state"):
+            late()
+    assert second.fields is not None
+    assert second.fields().pressure.mean() == pytest.approx(1e-2)

@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from roughbench.errors import SolverError
-from roughbench.models.base import Sample, Status
+from roughbench.models.base import CompleteCurve, Sample, Status
 from roughbench.models.halfspace import HalfSpace
 from roughbench.models.halfspace.contact import solve_contact, solve_curve
 
@@ -306,7 +306,8 @@ def test_model_solves_the_sample(rough: Rough) -> None:
     heights = rough(48)
     pressures = np.array([5e-2, 1e-3])
     model = HalfSpace(tolerance=1e-9, precision="double")
-    curve = model.curve(Sample(heights, CELL), pressures, threads=1)
+    states = model.states(Sample(heights, CELL), pressures, threads=1)
+    curve = CompleteCurve.from_states(states, pressures)
     expected = solve_curve(
         heights, pressures, length=CELL, tolerance=1e-9, precision="double", threads=1
     )

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from roughbench.models.base import Curve
+from roughbench.models.base import CompleteCurve
 from roughbench.models.halfspace.contact import ContactState, solve_contact, solve_curve
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ def test_near_full_contact_the_stiffness_grows(rough: Rough) -> None:
     """Where ū itself is 1e-5 h_rms, K must still be −dp/dū, not noise."""
     heights = rough(64, seed=7)
     p = np.array([0.10, 0.12, 0.14, 0.15])
-    curve: Curve = solve_curve(heights, p, length=CELL, threads=1)
+    curve: CompleteCurve = solve_curve(heights, p, length=CELL, threads=1)
     partial = curve.area < 1.0
     assert partial.sum() >= 3
     assert (np.diff(curve.stiffness[partial]) > 0).all()
