@@ -16,14 +16,7 @@ from roughbench.store import load
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReportSource:
-    """One results file.
-
-    Attributes
-    ----------
-    name : str
-        Of the file, with as many of its folders as it takes to tell it from the others.
-    results : Results
-    """
+    """One results file, named with as many folders as it takes to tell it from the others."""
 
     name: str
     results: Results

@@ -36,15 +36,7 @@ THEORY_COLOUR = PERSSON.colour
 
 @dataclass(frozen=True, slots=True)
 class PageStyle:
-    """How a model is drawn.
-
-    Attributes
-    ----------
-    colour : str
-        ``#RRGGBB``.
-    symbol : str
-        One of :data:`SYMBOLS`.
-    """
+    """How a model is drawn: in a colour, ``#RRGGBB``, with one of :data:`SYMBOLS`."""
 
     colour: str
     symbol: str
@@ -69,16 +61,7 @@ def experiment_dashes(experiments: Iterable[str]) -> dict[str, str]:
 class DrawnModel:
     """A model in one experiment, and how all charts of its file draw it.
 
-    Attributes
-    ----------
-    experiment : str
-    result : ModelResult
-    name : str
-        Title of the model, and the experiment if there are several, in plotly's subset of
-        HTML.
-    style : PageStyle
-    dash : str
-        plotly's name of the dashes.
+    The name is in plotly's subset of HTML, and the dash one of :data:`DASHES`.
     """
 
     experiment: str
