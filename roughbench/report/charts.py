@@ -82,23 +82,11 @@ class ChartSeries:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReportChart:
-    """One chart of the page.
+    """One chart of the page, told from the others of its file by its key.
 
-    Attributes
-    ----------
-    key : str
-        Tells it from the others of its file.
-    title : str
-        With formulas in plain text, as the axes.
-    label : str
-        Plain text in place of the picture.
-    x_axis, y_axis : str
-    series : sequence of ChartSeries
-    ranges : dict
-    is_log : (bool, bool)
-        Which axes are logarithmic at first.
-    not_given : sequence of str
-        Titles of the models that have no such curve.
+    Title and axes have formulas in plain text, and the label stands in place of the picture.
+    Axes are logarithmic at first or not, x before y; the models in ``not_given`` have no such
+    curve.
     """
 
     key: str

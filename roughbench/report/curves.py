@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,7 @@ from roughbench.figures.curves import Curve, Quantity, curve_of
 from roughbench.report.charts import ChartSeries, Ranges, ReportChart
 from roughbench.report.numbers import number, with_error
 from roughbench.report.sources import ReportSource
-from roughbench.report.styles import PageStyle, experiment_dashes
+from roughbench.report.styles import DrawnModel, PageStyle, drawn_models
 from roughbench.report.text import from_notation, plain, plotly_text
 from roughbench.results import ModelResult
 
@@ -84,46 +84,18 @@ def has_quantity(result: ModelResult, quantity: str) -> bool:
 
 
 def pressure_charts(source: ReportSource, styles: Mapping[str, PageStyle]) -> list[ReportChart]:
-    """Return the charts of all curves over the pressure, each with a curve at least.
-
-    Parameters
-    ----------
-    source : ReportSource
-    styles : mapping of str to PageStyle
-        By label.
-    """
-    charts = (_chart(source, kind, styles) for kind in PRESSURE_CHARTS)
+    """Return the charts of all curves over the pressure, each with a curve at least."""
+    models = list(drawn_models(source, styles))
+    charts = (_chart(source, kind, models) for kind in PRESSURE_CHARTS)
     return [chart for chart in charts if chart.series]
 
 
 def _chart(
-    source: ReportSource, kind: PressureChart, styles: Mapping[str, PageStyle]
+    source: ReportSource, kind: PressureChart, models: Sequence[DrawnModel]
 ) -> ReportChart:
-    dashes = experiment_dashes(source.results)
-    series, not_given = [], []
-    for experiment, result in source.models():
-        if not has_quantity(result, kind.quantity):
-            not_given.append(source.title(result.label))
-            continue
-        curve = curve_of(result, kind.quantity)
-        factor = np.ones_like(curve.pressure)
-        if kind.per_pressure is not None:
-            factor = kind.per_pressure(result) / curve.pressure
-        style = styles[result.label]
-        series.append(
-            ChartSeries(
-                name=plotly_text(source.curve_name(experiment, result.label)),
-                meta={"model": result.label, "experiment": experiment},
-                x=curve.pressure,
-                y=curve.value * factor,
-                lower=curve.lower * factor,
-                upper=curve.upper * factor,
-                colour=style.colour,
-                dash=dashes[experiment],
-                symbol=style.symbol,
-                hover=_hover(curve, factor, kind.axis),
-            )
-        )
+    given = [model for model in models if has_quantity(model.result, kind.quantity)]
+    absent = (source.title(m.result.label) for m in models if m not in given)
+    series = [_series(model, kind) for model in given]
     label = (
         f"{plain(from_notation(kind.axis))} against p/E*, {len(series)} curves of "
         f"{source.name}; the tables of the report say in numbers what they show"
@@ -137,7 +109,26 @@ def _chart(
         series,
         _ranges(series, kind),
         (True, kind.is_log),
-        list(dict.fromkeys(not_given)),
+        list(dict.fromkeys(absent)),
+    )
+
+
+def _series(model: DrawnModel, kind: PressureChart) -> ChartSeries:
+    curve = curve_of(model.result, kind.quantity)
+    factor = np.ones_like(curve.pressure)
+    if kind.per_pressure is not None:
+        factor = kind.per_pressure(model.result) / curve.pressure
+    return ChartSeries(
+        name=model.name,
+        meta=model.meta,
+        x=curve.pressure,
+        y=curve.value * factor,
+        lower=curve.lower * factor,
+        upper=curve.upper * factor,
+        colour=model.style.colour,
+        dash=model.dash,
+        symbol=model.style.symbol,
+        hover=_hover(curve, factor, kind.axis),
     )
 
 

@@ -30,19 +30,10 @@ STEPS = 63
 
 @dataclass(frozen=True, slots=True)
 class FieldMap:
-    """The contact pressure of one state.
+    """The contact pressure of one state, as a PNG; of a line, a stripe.
 
-    Attributes
-    ----------
-    title : RichText
-    label : str
-        Plain text in place of the picture.
-    image : bytes
-        PNG.
-    model, experiment : str
-        By which the page's script finds it.
-    is_line : bool
-        Whether it is a stripe.
+    The label stands in place of the picture; by model and experiment, the page's script finds
+    it.
     """
 
     title: RichText

@@ -12,9 +12,7 @@ from numpy.typing import NDArray
 from roughbench.figures.observed import DECADES
 from roughbench.report.charts import ChartSeries, Ranges, ReportChart
 from roughbench.report.sources import ReportSource
-from roughbench.report.styles import THEORY_COLOUR, PageStyle, experiment_dashes
-from roughbench.report.text import plotly_text
-from roughbench.results import ModelResult
+from roughbench.report.styles import THEORY_COLOUR, DrawnModel, PageStyle, drawn_models
 
 FloatArray = NDArray[np.float64]
 
@@ -82,22 +80,16 @@ def pressure_key(pressure: float) -> str:
 def observable_charts(
     source: ReportSource, styles: Mapping[str, PageStyle]
 ) -> Iterator[ReportChart]:
-    """Yield a chart for every observable that is in the file.
-
-    Parameters
-    ----------
-    source : ReportSource
-    styles : mapping of str to PageStyle
-        By label.
-    """
+    """Yield a chart for every observable that is in the file."""
+    models = list(drawn_models(source, styles))
     pressures = drawn_pressures(source)
     for name, kind in charted_observables().items():
         series = [
             one
-            for experiment, result in source.models()
-            if f"{name}_bin" in result
+            for model in models
+            if f"{name}_bin" in model.result
             for p in pressures
-            for one in _series(source, experiment, result, name, p, styles[result.label])
+            for one in _series(model, name, p)
         ]
         if series:
             yield ReportChart(
@@ -112,37 +104,29 @@ def observable_charts(
             )
 
 
-def _series(
-    source: ReportSource,
-    experiment: str,
-    result: ModelResult,
-    name: str,
-    pressure: float,
-    style: PageStyle,
-) -> Iterator[ChartSeries]:
+def _series(model: DrawnModel, name: str, pressure: float) -> Iterator[ChartSeries]:
     """Yield the curve of a model at one pressure, and Persson's theory if it is there."""
+    result = model.result
     there = np.flatnonzero(np.isclose(result["pressure"], pressure, rtol=1e-9))
     if there.size == 0:
         return
-    k = int(there[0])
     x = np.asarray(result[f"{name}_bin"], float)
     is_line = result.attributes.get("dimension") == 1
     unit = math.pi * x if is_line and charted_observables()[name].is_spectrum else 1.0
-    key = pressure_key(pressure)
-    meta = {"model": result.label, "experiment": experiment, "pressure": key}
 
-    mean, error = (np.asarray(result[f"{name}_{s}"], float)[k] / unit for s in ("mean", "sem"))
-    title = plotly_text(source.curve_name(experiment, result.label))
-    dash = experiment_dashes(source.results)[experiment]
-    curves = [(title, mean, error, style.colour, dash)]
+    def values(kind: str) -> FloatArray:
+        return np.asarray(result[f"{name}_{kind}"], float)[int(there[0])] / unit
+
+    curves = [(model.name, values("mean"), values("sem"), model.style.colour, model.dash)]
     if f"{name}_persson" in result:
-        theory = np.asarray(result[f"{name}_persson"], float)[k] / unit
-        none = np.full_like(theory, math.nan)
-        curves.append((f"Persson, beside {title}", theory, none, THEORY_COLOUR, "dot"))
-    for legend, values, errors, colour, dashes in curves:
-        shown = _shown(values)
-        y, error = np.where(values > 0.0, values, math.nan)[shown], errors[shown]
-        yield ChartSeries(legend, meta, x[shown], y, y - error, y + error, colour, dashes)
+        none = np.full_like(x, math.nan)
+        theory = f"Persson, beside {model.name}"
+        curves.append((theory, values("persson"), none, THEORY_COLOUR, "dot"))
+    for title, y, error, colour, dash in curves:
+        shown = _shown(y)
+        y, error = np.where(y > 0.0, y, math.nan)[shown], error[shown]
+        meta = model.meta | {"pressure": pressure_key(pressure)}
+        yield ChartSeries(title, meta, x[shown], y, y - error, y + error, colour, dash)
 
 
 def _shown(y: FloatArray) -> NDArray[np.bool_]:

@@ -43,16 +43,12 @@ def render(
     Parameters
     ----------
     sources : sequence of ReportSource
-    verdicts : sequence of Verdict
-        On the paper's claims.
+    verdicts, contenders : sequence of Verdict
+        On the paper's claims, and on every model.
     cases : sequence of Case
-        The experiments of all of them, with their fits.
-    reference : str, optional
-        Label of the model that the others are held against, if one was named.
-    resamples : int
-        Draws of the realizations behind the errors.
-    contenders : sequence of Verdict
-        On the models, whatever the paper claims; a table of their own.
+        The experiments with their fits.
+    reference, resamples : str or None, int
+        As they were given for the fits.
     """
     styles = page_styles(sources)
     named = (source.results.name or source.name for source in sources)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
+from typing import NamedTuple
 
 from roughbench.errors import StoreError
 from roughbench.figures.labels import experiment_label, smallest_wavevector, titles
@@ -15,14 +16,7 @@ from roughbench.store import load
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReportSource:
-    """One results file.
-
-    Attributes
-    ----------
-    name : str
-        Of the file, with as many of its folders as it takes to tell it from the others.
-    results : Results
-    """
+    """One results file, named with as many folders as it takes to tell it from the others."""
 
     name: str
     results: Results
@@ -49,8 +43,12 @@ class ReportSource:
         return found
 
     def experiment(self, name: str) -> RichText:
-        """Return what an experiment is called on the page."""
-        return experiment_text(name, smallest_wavevector(self.results, name))
+        """Return what an experiment is called on the page, ``main`` for the only one.
+
+        Other wavevectors are divided by q0, where it is known.
+        """
+        label = experiment_label(name, smallest_wavevector(self.results, name))
+        return from_mathtext(label.replace(" = ", "\xa0=\xa0")) or [Span("main")]
 
     def title(self, label: str) -> str:
         """Return what a model is called on the page: its title, which tells it from others."""
@@ -96,32 +94,11 @@ def _name(own: tuple[str, ...], others: Sequence[tuple[str, ...]]) -> str:
     return "/".join(own[-length:])
 
 
-def experiment_text(experiment: str, q_min: float | None = None) -> RichText:
-    r"""Return the name of an experiment, ``main`` for the only one.
-
-    Other wavevectors are divided by ``q_min``, q0, where it is known.
-
-    Examples
-    --------
-    >>> experiment_text("surface.length=12.566370614359172")
-    [Span(text='L\xa0=\xa012.5664', style='')]
-    """
-    label = experiment_label(experiment, q_min).replace(" = ", "\xa0=\xa0")
-    return from_mathtext(label) or [Span("main")]
-
-
-@dataclass(frozen=True, slots=True)
-class Place:
+class ModelPlace(NamedTuple):
     """What a verdict or a warning calls ``file: experiment/label``, as the page shows it.
 
-    Attributes
-    ----------
-    model : str
-        Title of the model.
-    details : RichText
-        Experiment and file, each where there are several.
-    full : RichText
-        File, experiment where there are several, and model.
+    The details are experiment and file, each where there are several; in full, they are file,
+    experiment and the title of the model.
     """
 
     model: str
@@ -129,17 +106,17 @@ class Place:
     full: RichText
 
 
-def places(sources: Sequence[ReportSource]) -> Mapping[str, Place]:
+def places(sources: Sequence[ReportSource]) -> Mapping[str, ModelPlace]:
     """Return the models of all files by what verdicts and warnings call them.
 
-    The name of the file may be missing where there is but one.
+    Verdicts leave the file out where there is but one.
     """
     found = {}
     for source in sources:
         for experiment, result in source.models():
             swept = [source.experiment(experiment)] * source.has_sweep
             title = source.title(result.label)
-            place = Place(
+            place = ModelPlace(
                 title,
                 joined([*swept, *([source.name] * (len(sources) > 1))]),
                 joined([source.name, *swept, title]),

@@ -5,11 +5,13 @@ The templates know how the legend draws each symbol and each pattern of dashes.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from roughbench.figures.looks import PERSSON, model_colours
 from roughbench.report.sources import ReportSource
+from roughbench.report.text import plotly_text
+from roughbench.results import ModelResult
 
 SYMBOLS = (
     "square-open",
@@ -34,15 +36,7 @@ THEORY_COLOUR = PERSSON.colour
 
 @dataclass(frozen=True, slots=True)
 class PageStyle:
-    """How a model is drawn.
-
-    Attributes
-    ----------
-    colour : str
-        ``#RRGGBB``.
-    symbol : str
-        One of :data:`SYMBOLS`.
-    """
+    """How a model is drawn: in a colour, ``#RRGGBB``, with one of :data:`SYMBOLS`."""
 
     colour: str
     symbol: str
@@ -61,3 +55,30 @@ def page_styles(sources: Sequence[ReportSource]) -> dict[str, PageStyle]:
 def experiment_dashes(experiments: Iterable[str]) -> dict[str, str]:
     """Return the dashes of every experiment of a file, solid for the first."""
     return {name: DASHES[place % len(DASHES)] for place, name in enumerate(experiments)}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DrawnModel:
+    """A model in one experiment, and how all charts of its file draw it.
+
+    The name is in plotly's subset of HTML, and the dash one of :data:`DASHES`.
+    """
+
+    experiment: str
+    result: ModelResult
+    name: str
+    style: PageStyle
+    dash: str
+
+    @property
+    def meta(self) -> dict[str, str]:
+        """By which the page's script finds the curves."""
+        return {"model": self.result.label, "experiment": self.experiment}
+
+
+def drawn_models(source: ReportSource, styles: Mapping[str, PageStyle]) -> Iterator[DrawnModel]:
+    """Yield the models of a file as its charts draw them, in styles by label."""
+    dashes = experiment_dashes(source.results)
+    for experiment, result in source.models():
+        name = plotly_text(source.curve_name(experiment, result.label))
+        yield DrawnModel(experiment, result, name, styles[result.label], dashes[experiment])

@@ -33,20 +33,10 @@ _NOT_OPTIONS = {*_SURFACE, "surface", "seed", "grid_points"}
 
 @dataclass(frozen=True, slots=True)
 class ReportTable:
-    """A table of the page.
+    """A table of the page; the first cell of a row is its heading.
 
-    Attributes
-    ----------
-    headings : sequence of str or RichText
-        The first stands over the headings of the rows.
-    rows : sequence of sequences of str or RichText
-        The first cell of a row is its heading.
-    title : str or RichText
-        May be empty.
-    notes : sequence of str or RichText
-        Beneath the table.
-    is_numeric : bool
-        Whether the cells are numbers, and do not wrap.
+    A title, if there is one, stands above it and notes beneath; cells that are numbers do not
+    wrap.
     """
 
     headings: Sequence[TableCell]

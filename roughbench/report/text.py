@@ -15,14 +15,7 @@ from roughbench.report.numbers import number
 
 
 class Span(NamedTuple):
-    """A piece of text.
-
-    Attributes
-    ----------
-    text : str
-    style : str
-        ``sub``, ``sup``, ``code``, ``muted``, ``br`` (a new line) or none.
-    """
+    """A piece of text in a style: sub, sup, code, muted, br (a new line) or none."""
 
     text: str
     style: str = ""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from enum import StrEnum
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,21 +43,13 @@ ABOUT = {
     "Full contact": "A realization in full contact makes the mean of K infinite at these "
     "pressures. The figures show medians with 16 % and 84 % quantiles there; of models other "
     "than the exact one, throughout.",
-    "Quantities not given": "These models say nothing about them: figures and fits leave them "
-    "out, and no claim is tested on them.",
+    "Quantities not given": "Not every model says something about all of them.",
     "Models without randomness": "They are computed from the spectrum, or from given heights: "
     "their curves have no standard error.",
 }
 """Topic → what it means, in plain text."""
 _NOTES = {"Full contact", "Quantities not given", "Models without randomness"}
 """Topics that no one needs to worry about."""
-
-
-class Severity(StrEnum):
-    """How much a remark matters."""
-
-    WARNING = "warning"
-    NOTE = "note"
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,9 +61,9 @@ class Remark:
     text: str
 
     @property
-    def severity(self) -> Severity:
-        """How much it matters."""
-        return Severity.NOTE if self.topic in _NOTES else Severity.WARNING
+    def severity(self) -> str:
+        """``warning`` or ``note``."""
+        return "note" if self.topic in _NOTES else "warning"
 
 
 def remarks(sources: Sequence[ReportSource]) -> list[Remark]:
@@ -86,12 +77,11 @@ def remarks(sources: Sequence[ReportSource]) -> list[Remark]:
         found += [*_missing_parts(source), *_different_pressures(source)]
         for experiment, result in source.models():
             where = f"{source.name}: {experiment}/{result.label}"
-            for check in (_unconverged, _resolution, _few_points, _scatter, _quantities):
+            for check in (_unconverged, _resolution, _few_points, _scatter, _medians):
                 found += [Remark(topic, where, text) for topic, text in check(result)]
-        found += _without_randomness(source)
-    order = list(Severity)
+        found += [*_not_given(source), *_without_randomness(source)]
     topics = list(dict.fromkeys(remark.topic for remark in found))
-    return sorted(found, key=lambda r: (order.index(r.severity), topics.index(r.topic)))
+    return sorted(found, key=lambda r: (r.topic in _NOTES, topics.index(r.topic)))
 
 
 def at_pressures(pressure: NDArray[np.float64], chosen: NDArray[np.bool_]) -> str:
@@ -194,15 +184,11 @@ def _scatter(result: ModelResult) -> Iterator[tuple[str, str]]:
         yield "Large standard errors", f"{'; '.join(parts)}."
 
 
-def _quantities(result: ModelResult) -> Iterator[tuple[str, str]]:
-    """Yield at which pressures K is infinite, and what is not given at all."""
+def _medians(result: ModelResult) -> Iterator[tuple[str, str]]:
     if has_quantity(result, "stiffness") and result.n_realizations > 1:
         infinite = np.isinf(result["stiffness_mean"])
         if infinite.any():
             yield "Full contact", f"{at_pressures(result['pressure'], infinite)}."
-    absent = [name for key, name in _QUANTITIES.items() if not has_quantity(result, key)]
-    if absent:
-        yield "Quantities not given", f"{', '.join(absent)}."
 
 
 def is_random(result: ModelResult) -> bool:
@@ -243,6 +229,17 @@ def _different_pressures(source: ReportSource) -> Iterator[Remark]:
                 "the models have different pressures; those with others than the reference "
                 "are not compared with it.",
             )
+
+
+def _not_given(source: ReportSource) -> Iterator[Remark]:
+    absent: dict[str, list[str]] = {}
+    for label, models in source.by_label().items():
+        for quantity, symbol in _QUANTITIES.items():
+            if not any(has_quantity(model, quantity) for model in models):
+                absent.setdefault(label, []).append(symbol)
+    if absent:
+        text = "; ".join(f"{', '.join(names)} by {label}" for label, names in absent.items())
+        yield Remark("Quantities not given", source.name, f"{text}.")
 
 
 def _without_randomness(source: ReportSource) -> Iterator[Remark]:

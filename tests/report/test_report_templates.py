@@ -129,9 +129,9 @@ def test_a_quantity_that_a_model_has_not_is_not_given(small: Results) -> None:
     assert "ot given" not in page()
     some = Page(page("foundation"))
     assert some.tags.count("figure") == 5
-    assert some.text.count("Not given: Popov (1D foundation).") == 3
+    assert some.text.count("Not given by Popov (1D foundation).") == 3
     assert "● Quantities not given" in some.text
-    assert "Popov (1D foundation) ū, K." in some.text
+    assert "r.h5 ū, K by foundation." in some.text
     every = Page(page(*LABELS))
     assert every.tags.count("figure") == 2  # area and κ
-    assert every.text.count("ū, K.") == 2 * len(LABELS)
+    assert f"r.h5 {'; '.join(f'ū, K by {label}' for label in LABELS)}." in every.text
