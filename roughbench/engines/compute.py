@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
@@ -26,6 +27,7 @@ from roughbench.planning.samples import make_sample, rms_of
 from roughbench.results import Array
 from roughbench.rundir.checkpoint import Checkpoint
 from roughbench.rundir.collected import of_other_variables
+from roughbench.signals import signals_held_back
 from roughbench.variables import FIELD_VARIABLES, dimensions
 
 _FINISHED, _DIAGNOSTICS = "finished.", "diagnostics."
@@ -67,8 +69,7 @@ def compute(
         raise ValueError("a checkpoint belongs to one realization")
     rows: list[Block] = []
     kept: list[tuple[int, float, Fields]] = []
-    # More threads of BLAS would change the last bits with the number of cores.
-    with threadpool_limits(1, "blas"):
+    with _one_blas_thread():
         for realization in task.realizations:
             before = len(rows) * len(task.pressures)
 
@@ -85,6 +86,21 @@ def compute(
             rows.append(row)
             kept += [(realization, task.pressures[k], fields[k]) for k in sorted(fields)]
     return _stacked(rows) | _stacked_fields(kept)
+
+
+@contextlib.contextmanager
+def _one_blas_thread() -> Iterator[None]:
+    """Limit BLAS to one thread: more would change the last bits with the number of cores.
+
+    The libraries are looked for in a callback from C, in which the exception of a signal's
+    handler would be lost, and Ctrl-C with it.
+    """
+    with signals_held_back():
+        limits = threadpool_limits(1, "blas")
+    try:
+        yield
+    finally:
+        limits.restore_original_limits()
 
 
 def _compute_row(
