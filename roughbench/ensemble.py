@@ -11,12 +11,18 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 FloatArray = NDArray[np.float64]
 
-STATISTICS = ("mean", "sem", "median", "q16", "q84")
-"""What :class:`Summary` holds, and the suffixes of the summaries in a results file."""
+STATISTICS = {
+    "mean": "mean",
+    "sem": "standard error of the mean",
+    "median": "median",
+    "q16": "16 % quantile",
+    "q84": "84 % quantile",
+}
+"""What :class:`Summary` holds, the suffixes of the summaries in a results file, in words."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +93,38 @@ def summarize(values: FloatArray, converged: NDArray[np.bool_]) -> Summary:
     return Summary(mean, sem, median, q16, q84, converged.sum(axis=0, dtype=np.int64))
 
 
+def mean_and_error(values: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Return mean and standard error over the first axis; one row has an error of nan."""
+    rows = np.asarray(values, float)
+    count = len(rows)
+    mean = rows.mean(axis=0)
+    if count == 1:
+        return mean, np.full(mean.shape, math.nan)
+    return mean, np.sqrt(((rows - mean) ** 2).sum(axis=0) / (count * (count - 1)))
+
+
+def means_and_errors(
+    values: FloatArray, converged: NDArray[np.bool_]
+) -> tuple[FloatArray, FloatArray]:
+    """Return mean and standard error of finite values at each pressure.
+
+    Parameters
+    ----------
+    values : ndarray of float64, shape (realizations, pressures, …)
+    converged : ndarray of bool, shape (realizations, pressures)
+
+    Returns
+    -------
+    (ndarray, ndarray) of float64, shape (pressures, …)
+        nan where no state converged.
+    """
+    mean, sem = np.full((2, *values.shape[1:]), math.nan)
+    for k, counts in enumerate(converged.T):
+        if counts.any():
+            mean[k], sem[k] = mean_and_error(values[counts, k])
+    return mean, sem
+
+
 def harmonic_mean(values: FloatArray, converged: NDArray[np.bool_]) -> FloatArray:
     """Return 1/⟨1/x⟩ at each pressure: the mean stiffness of springs in series.
 
@@ -129,9 +167,8 @@ def _summarize_column(x: FloatArray) -> tuple[float, float, float, float, float]
     quantiles = (_quantile(order, 0.5), _quantile(order, 0.16), _quantile(order, 0.84))
     if not np.isfinite(x).all():
         return (float(order[0] + order[-1]), math.nan, *quantiles)
-    mean = float(x.sum()) / n
-    sem = math.sqrt(float(((x - mean) ** 2).sum()) / (n * (n - 1))) if n > 1 else math.nan
-    return (mean, sem, *quantiles)
+    mean, sem = mean_and_error(x)
+    return (float(mean), float(sem), *quantiles)
 
 
 def _quantile(order: FloatArray, fraction: float) -> float:

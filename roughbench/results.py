@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from roughbench.ensemble import STATISTICS
 from roughbench.errors import UnknownNameError
+from roughbench.quantities import compared
 from roughbench.spec.tree import did_you_mean
 from roughbench.variables import long_name_of, quantity_of, units_of
 
@@ -79,6 +80,11 @@ class ModelResult:
         """Number of states that did not converge and are left out of the averages."""
         return int(np.count_nonzero(self.variables["status"]))
 
+    @property
+    def is_random(self) -> bool:
+        """Whether it looked at random heights, so that realizations differ."""
+        return "grid_points" in self.attributes and self.attributes.get("surface") != "file"
+
     def units(self, name: str) -> str:
         """Return the unit of a variable; "length" is the spec's length unit, "1" is none."""
         return units_of(name, 1 if self.attributes.get("dimension") == 1 else 2)
@@ -95,7 +101,7 @@ class ModelResult:
         return "\n".join([head, *(f"  {line}" for line in shown)])
 
     def _repr_html_(self) -> str:
-        shown = [name for name in ("area", "separation", "stiffness") if f"{name}_mean" in self]
+        shown = [name for name in compared() if f"{name}_mean" in self]
         pressure = np.asarray(self["pressure"], float)
         chosen = np.linspace(0, pressure.size - 1, min(MOST_LINES, pressure.size))
         rows = [

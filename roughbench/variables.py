@@ -1,198 +1,109 @@
-"""The variables of a results file: their dimensions, units and descriptions, by name."""
+"""The variables of a results file: their dimensions, units and descriptions, by name.
+
+Quantities and observables describe themselves; here their variables are put together with
+what every file has.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+import functools
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from roughbench.ensemble import STATISTICS
-from roughbench.observables import ObservableName
-
-
-@dataclass(frozen=True, slots=True)
-class _Meaning:
-    """Unit and description of one variable."""
-
-    units: str
-    long_name: str
-
+from roughbench.errors import RoughbenchError
+from roughbench.observables import OBSERVABLES, Observable
+from roughbench.quantities import PRESSURE, QUANTITIES, Variable
 
 STORABLE = tuple(np.dtype(name) for name in ("f4", "f8", "i4", "i8"))
 """Types of arrays in results files and shards."""
 
-AVERAGED = ("area", "area_raw", "separation", "stiffness", "energy")
-"""Variables that are summarized over the realizations, where a model has them."""
+Axes = tuple[str, ...]
 
-_MEANING = {
-    "realization": _Meaning("1", "index of the realization"),
-    "pressure": _Meaning("1", "nominal pressure p/E*"),
-    "area": _Meaning("1", "real contact area A/A0"),
-    "area_raw": _Meaning("1", "contact points / all points"),
-    "separation": _Meaning("length", "mean separation"),
-    "stiffness": _Meaning("1/length", "contact stiffness K/E*"),
-    "stiffness_harmonic": _Meaning("1/length", "harmonic mean of the contact stiffness K/E*"),
-    "energy": _Meaning("length", "elastic energy U/(A0 E*)"),
-    "status": _Meaning("1", "how the computation of the state ended"),
-    "n_converged": _Meaning("1", "number of converged realizations"),
-    "rms_height": _Meaning("length", "rms height of the realized surface"),
-    "rms_slope": _Meaning("1", "rms slope of the realized surface"),
+STATES: Axes = ("realization", "pressure")
+_AT_POINTS: Axes = ("field", "y", "x")
+_FIELDS: dict[str, tuple[Axes, Variable]] = {
+    "field_realization": (("field",), Variable("realization of the field")),
+    "field_nominal_pressure": (("field",), Variable("nominal pressure p/E* of the field")),
+    "field_status": (
+        ("field",),
+        Variable("how the computation of the field's state ended"),
+    ),
+    "field_pressure": (_AT_POINTS, Variable("contact pressure / E* at every point")),
+    "field_gap": (_AT_POINTS, Variable("gap at every point", length=1)),
 }
-
-
-@dataclass(frozen=True, slots=True)
-class _Observable:
-    """What the variables of one observable mean: its values, their places, single numbers."""
-
-    values: _Meaning
-    places: _Meaning
-    scalars: Mapping[str, _Meaning]
-
-
-_WAVEVECTOR = _Meaning("1/length", "wavevector q")
-_IN_CONTACT = _Meaning("1", "points in contact / all points")
-_OBSERVABLE: Mapping[ObservableName, _Observable] = {
-    "pressure_pdf": _Observable(
-        _Meaning("1", "density of the contact pressure over all points, per E* ξ"),
-        _Meaning("1", "contact pressure / (E* ξ)"),
-        {
-            "contact": _IN_CONTACT,
-            "nominal": _Meaning("1", "nominal pressure p/(E* ξ)"),
-            "above": _Meaning("1", "share of points with a pressure above the bins"),
-        },
-    ),
-    "gap_pdf": _Observable(
-        _Meaning("1", "density of the gap out of contact over all points, per h_rms"),
-        _Meaning("1", "gap / h_rms"),
-        {
-            "contact": _IN_CONTACT,
-            "separation": _Meaning("1", "mean separation / h_rms"),
-            "below": _Meaning("1", "share of points with a gap below the bins"),
-            "above": _Meaning("1", "share of points with a gap above the bins"),
-        },
-    ),
-    "stress_spectrum": _Observable(
-        _Meaning("length^d", "power spectrum C(q) of the contact pressure / E*"),
-        _WAVEVECTOR,
-        {
-            "variance": _Meaning("1", "variance of the contact pressure / E*"),
-            "exponent": _Meaning("1", "exponent of the power spectrum of the pressure"),
-        },
-    ),
-    "contact_spectrum": _Observable(
-        _Meaning("length^d", "power spectrum C(q) of the contact, 1 in it and 0 elsewhere"),
-        _WAVEVECTOR,
-        {
-            "variance": _Meaning("1", "variance of the contact, 1 in it and 0 elsewhere"),
-            "exponent": _Meaning("1", "exponent of the power spectrum of the contact"),
-        },
-    ),
-    "energy": _Observable(
-        _Meaning("length", "elastic energy U/(A0 E*) held by a ring of wavevectors"),
-        _WAVEVECTOR,
-        {"total": _Meaning("length", "elastic energy U/(A0 E*) held by all wavevectors")},
-    ),
-    "clusters": _Observable(
-        _Meaning("1", "number of patches of contact"),
-        _Meaning("1", "least size of a patch, points"),
-        {
-            "number": _Meaning("1", "number of patches of all sizes"),
-            "mean_area": _Meaning("1", "mean area of a patch / A0"),
-            "largest_area": _Meaning("1", "area of the largest patch / A0"),
-            "perimeter": _Meaning("length^(d-1)", "perimeter of all patches"),
-        },
-    ),
-}
-_BY_DIMENSION = {
-    1: {"length^d": "length", "length^(d-1)": "1"},
-    2: {"length^d": "length^2", "length^(d-1)": "length"},
-}
-
-
-def variable_of(observable: ObservableName) -> str:
-    """Return the name of an observable's variable; ``energy`` is one of the curves' already.
-
-    Examples
-    --------
-    >>> variable_of("clusters"), variable_of("energy")
-    ('clusters', 'energy_spectrum')
-    """
-    return "energy_spectrum" if observable == "energy" else observable
-
-
-def scalars_of(observable: ObservableName) -> dict[str, str]:
-    """Return the single numbers of an observable, by name: their variables.
-
-    Examples
-    --------
-    >>> scalars_of("stress_spectrum")["exponent"]
-    'stress_spectrum_exponent'
-    """
-    name = variable_of(observable)
-    return {scalar: f"{name}_{scalar}" for scalar in _OBSERVABLE[observable].scalars}
-
-
-_FIELD = {
-    "field": _Meaning("1", "index of the field"),
-    "field_realization": _Meaning("1", "realization of the field"),
-    "field_nominal_pressure": _Meaning("1", "nominal pressure p/E* of the field"),
-    "field_status": _Meaning("1", "how the computation of the field's state ended"),
-    "field_pressure": _Meaning("1", "contact pressure / E* at every point"),
-    "field_gap": _Meaning("length", "gap at every point"),
-    "x": _Meaning("length", "position along the last axis"),
-    "y": _Meaning("length", "position along the first axis of a surface"),
-}
-FIELD_VARIABLES = tuple(name for name in _FIELD if name.startswith("field_"))
+FIELD_VARIABLES = tuple(_FIELDS)
 """Of states whose fields are kept."""
-_STATISTIC = {
-    "mean": "mean",
-    "sem": "standard error of the mean",
-    "median": "median",
-    "q16": "16 % quantile",
-    "q84": "84 % quantile",
+
+_OTHERS: dict[str, tuple[Axes, Variable]] = {
+    "realization": (("realization",), Variable("index of the realization")),
+    "status": (STATES, Variable("how the computation of the state ended")),
+    "n_converged": (("pressure",), Variable("number of converged realizations")),
+    "rms_height": (
+        ("realization",),
+        Variable("rms height of the realized surface", length=1),
+    ),
+    "rms_slope": (("realization",), Variable("rms slope of the realized surface")),
+    "field": (("field",), Variable("index of the field")),
+    "x": (("x",), Variable("position along the last axis", length=1)),
+    "y": (("y",), Variable("position along the first axis of a surface", length=1)),
 }
-_SUMMARIES = {f"{name}_{kind}": (name, kind) for name in AVERAGED for kind in STATISTICS}
-_PER_PRESSURE = {"pressure", "n_converged", "stiffness_harmonic", *_SUMMARIES}
-_PER_REALIZATION = {"realization", "rms_height", "rms_slope"}
 
 
-def _collect() -> dict[str, tuple[str, ...]]:
-    """Return the dimensions of all variables that do not have a value for every state.
+def _of_quantities() -> Iterator[tuple[str, Axes, Variable]]:
+    yield "pressure", ("pressure",), PRESSURE
+    for name, quantity in QUANTITIES.items():
+        yield name, STATES, quantity
+        yield from _summaries(name, ("pressure",), quantity, tuple(STATISTICS))
+        if quantity.has_harmonic_mean:
+            words = f"harmonic mean of the {quantity.long_name}"
+            yield f"{name}_harmonic", ("pressure",), Variable(words, quantity.length)
 
-    Adds the variables of the observables to the tables above.
-    """
-    known: dict[str, tuple[str, ...]] = dict.fromkeys(_PER_PRESSURE, ("pressure",))
-    known |= dict.fromkeys(_PER_REALIZATION, ("realization",))
-    known |= dict.fromkeys(["field", *FIELD_VARIABLES], ("field",))
-    known |= {"x": ("x",), "y": ("y",)}
-    known |= dict.fromkeys(["field_pressure", "field_gap"], ("field", "y", "x"))
-    _MEANING.update(_FIELD)
-    for observable, meaning in _OBSERVABLE.items():
-        name = variable_of(observable)
-        places, edges, theory = f"{name}_bin", f"{name}_edges", f"{name}_persson"
-        words = meaning.values.long_name
-        _MEANING[name] = meaning.values
-        _MEANING[places] = meaning.places
-        _MEANING[edges] = _Meaning(meaning.places.units, "ends of the bins")
-        _MEANING[theory] = _Meaning(meaning.values.units, f"{words}, Persson's theory")
-        known |= {name: ("realization", "pressure", places), theory: ("pressure", places)}
-        known |= {places: (places,), edges: (edges,)}
-        for scalar, variable in scalars_of(observable).items():
-            _MEANING[variable] = meaning.scalars[scalar]
-            for kind in ("mean", "sem"):
-                _SUMMARIES[f"{variable}_{kind}"] = variable, kind
-                known[f"{variable}_{kind}"] = ("pressure",)
-        for kind in ("mean", "sem"):
-            _SUMMARIES[f"{name}_{kind}"] = name, kind
-            known[f"{name}_{kind}"] = ("pressure", places)
+
+def _of_observable(observable: Observable) -> Iterator[tuple[str, Axes, Variable]]:
+    name, values, places = observable.variable, observable.values, observable.places
+    bins, edges = f"{name}_bin", f"{name}_edges"
+    theory = _renamed(values, f"{values.long_name}, Persson's theory")
+    yield name, (*STATES, bins), values
+    yield f"{name}_persson", ("pressure", bins), theory
+    yield bins, (bins,), places
+    yield edges, (edges,), _renamed(places, "ends of the bins")
+    yield from _summaries(name, ("pressure", bins), values)
+    for scalar, variable in observable.scalar_variables().items():
+        meaning = observable.scalars[scalar]
+        yield variable, STATES, meaning
+        yield from _summaries(variable, ("pressure",), meaning)
+
+
+def _summaries(
+    name: str, axes: Axes, variable: Variable, kinds: Sequence[str] = ("mean", "sem")
+) -> Iterator[tuple[str, Axes, Variable]]:
+    for kind in kinds:
+        words = f"{variable.long_name}, {STATISTICS[kind]}"
+        yield f"{name}_{kind}", axes, _renamed(variable, words)
+
+
+def _renamed(variable: Variable, long_name: str) -> Variable:
+    return Variable(long_name, variable.length, variable.per_dimension)
+
+
+@functools.cache
+def _known() -> dict[str, tuple[Axes, Variable]]:
+    known = _OTHERS | _FIELDS
+    described = [*_of_quantities()]
+    for observable in OBSERVABLES.values():
+        described += _of_observable(observable)
+    for name, axes, variable in described:
+        if name in known:
+            raise RoughbenchError(
+                f"two quantities or observables have a variable {name!r}; rename one of them"
+            )
+        known[name] = axes, variable
     return known
 
 
-_DIMENSIONS = _collect()
-
-
-def dimensions(name: str, n_axes: int = 3) -> tuple[str, ...]:
+def dimensions(name: str, n_axes: int = 3) -> Axes:
     """Names of the dimensions of a variable.
 
     Everything that is not known to have others, such as a model's diagnostics, has a value
@@ -211,8 +122,8 @@ def dimensions(name: str, n_axes: int = 3) -> tuple[str, ...]:
     >>> dimensions("clusters"), dimensions("field_gap"), dimensions("field_gap", 2)
     (('realization', 'pressure', 'clusters_bin'), ('field', 'y', 'x'), ('field', 'x'))
     """
-    axes = _DIMENSIONS.get(name, ("realization", "pressure"))
-    return ("field", "x") if axes == ("field", "y", "x") and n_axes == 2 else axes
+    axes, _ = _known().get(name, (STATES, None))
+    return ("field", "x") if axes == _AT_POINTS and n_axes == 2 else axes
 
 
 def fits(
@@ -249,9 +160,8 @@ def units_of(name: str, dimension: int = 2) -> str:
     >>> units_of("separation_sem"), units_of("stress_spectrum"), units_of("stress_spectrum", 1)
     ('length', 'length^2', 'length')
     """
-    base, _ = _SUMMARIES.get(name, (name, ""))
-    units = _MEANING[base].units if base in _MEANING else "1"
-    return _BY_DIMENSION[dimension].get(units, units)
+    _, variable = _known().get(name, (STATES, Variable(name)))
+    return variable.units(dimension)
 
 
 def quantity_of(name: str) -> str | None:
@@ -262,8 +172,10 @@ def quantity_of(name: str) -> str | None:
     >>> quantity_of("area_sem"), quantity_of("stiffness_harmonic"), quantity_of("status")
     ('area', 'stiffness', None)
     """
-    base = "stiffness" if name == "stiffness_harmonic" else _SUMMARIES.get(name, (name, ""))[0]
-    return base if base in AVERAGED else None
+    base, _, end = name.rpartition("_")
+    if end == "harmonic" or end in STATISTICS:
+        name = base
+    return name if name in QUANTITIES else None
 
 
 def long_name_of(name: str) -> str:
@@ -274,6 +186,5 @@ def long_name_of(name: str) -> str:
     >>> long_name_of("area_mean"), long_name_of("transform_pairs")
     ('real contact area A/A0, mean', 'transform pairs')
     """
-    base, kind = _SUMMARIES.get(name, (name, ""))
-    words = _MEANING[base].long_name if base in _MEANING else base.replace("_", " ")
-    return f"{words}, {_STATISTIC[kind]}" if kind else words
+    _, variable = _known().get(name, (STATES, Variable(name.replace("_", " "))))
+    return variable.long_name

@@ -23,7 +23,7 @@ from roughbench.runner import check, plan
 from roughbench.spec import FileSurface, SelfAffineSurface, Spec, load_spec
 from roughbench.spec.fields import SavedFields
 from roughbench.spec.pressures import PressureRange
-from roughbench.variables import FIELD_VARIABLES, scalars_of, variable_of
+from roughbench.variables import FIELD_VARIABLES
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -247,8 +247,8 @@ def test_every_variable_of_a_results_file_is_documented(small_spec: dict[str, An
 
 def test_every_variable_of_the_fields_is_documented() -> None:
     described = set(re.findall(r"`(\w+)`", text_of("docs/observables.md")))
-    for observable in OBSERVABLES:
-        assert {observable, variable_of(observable), *scalars_of(observable)} <= described
+    for name, observable in OBSERVABLES.items():
+        assert {name, observable.variable, *observable.scalars} <= described
     assert {*FIELD_VARIABLES, "x", "y", "dimension", "exponent_from"} <= described
 
 

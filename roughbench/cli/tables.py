@@ -12,10 +12,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from roughbench.notation import plain
 from roughbench.observables import OBSERVABLES
 from roughbench.outputs import Kind
+from roughbench.quantities import PRESSURE, Quantity, compared
 from roughbench.results import Array, Attribute, ModelResult, Results
-from roughbench.variables import dimensions, variable_of
+from roughbench.variables import dimensions
 
 _OF_SURFACE = (
     "surface",
@@ -30,10 +32,10 @@ _OF_SURFACE = (
     "rms_slope",
     "seed",
 )
-_OF_FIELDS = ("dimension", "exponent_from", "exponent_to", "persson_gamma")
+_OF_FIELDS = {"dimension", *(name for one in OBSERVABLES.values() for name in one.attributes)}
 TABLE = Kind("table", lambda head, _: re.match(rb"(\w+ \[[^]\n]*\],?)+\n", head) is not None)
 """CSV: recognized by its first line, which has nothing but names with units."""
-_NOT_OPTIONS = (*_OF_SURFACE, *_OF_FIELDS, "rms_height", "grid_points")
+_NOT_OPTIONS = {*_OF_SURFACE, *_OF_FIELDS, "rms_height", "grid_points"}
 
 
 def as_text(results: Results, source: str) -> str:
@@ -69,11 +71,10 @@ def _model_lines(result: ModelResult) -> Iterator[str]:
     many = "s" * (result.n_realizations > 1)
     yield f"{result.label}: {result.title}, {result.n_realizations} realization{many}"
     yield from _listed({k: v for k, v in result.attributes.items() if k not in _NOT_OPTIONS})
-    headings = (f"  {name:^20}" for name in ("A/A0", "ū/h_rms", "K h_rms/E*"))
-    yield f"{'p/E*':>10}{''.join(headings)}    n"
-    height = float(result.attributes["rms_height"])
-    scales = (("area", 1.0), ("separation", 1.0 / height), ("stiffness", height))
-    columns = [_column(result, name, scale) for name, scale in scales]
+    shown = [one for one in compared().values() if one.is_expected or one.name in result]
+    headings = (f"  {plain(quantity.scaled):^20}" for quantity in shown)
+    yield f"{plain(PRESSURE.scaled):>10}{''.join(headings)}    n"
+    columns = [_column(result, quantity) for quantity in shown]
     for i, pressure in enumerate(result["pressure"]):
         cells = "".join(f"  {column[i]:20}" for column in columns)
         yield f"{pressure:10.3e}{cells}{result['n_converged'][i]:5d}"
@@ -92,20 +93,21 @@ def _listed(values: dict[str, Attribute]) -> list[str]:
     return textwrap.wrap(", ".join(parts), 88, initial_indent="  ", subsequent_indent="  ")
 
 
-def _column(result: ModelResult, name: str, scale: float) -> list[str]:
+def _column(result: ModelResult, quantity: Quantity) -> list[str]:
     """Return the means of a quantity with their errors, a text for each pressure."""
-    if name not in result:
+    if quantity.name not in result:
         return ["not given"] * len(result["pressure"])
-    mean, sem = result[f"{name}_mean"] * scale, result[f"{name}_sem"] * scale
-    return [_with_error(*pair) for pair in zip(mean, sem, strict=True)]
+    unit = quantity.unit(float(result.attributes["rms_height"]))
+    mean, sem = (result[f"{quantity.name}_{kind}"] / unit for kind in ("mean", "sem"))
+    return [_with_error(*pair, quantity.digits) for pair in zip(mean, sem, strict=True)]
 
 
-def _with_error(mean: float, sem: float) -> str:
+def _with_error(mean: float, sem: float, digits: int) -> str:
     if math.isnan(mean):
         return f"{'-':>10}"
     if math.isinf(mean):
         return f"{'inf':>10}"
-    value = f"{mean:10.4e}"
+    value = f"{mean:10.{digits - 1}e}"
     return value if math.isnan(sem) else f"{value} ± {sem:.1e}"
 
 
@@ -197,8 +199,8 @@ def observables_csv(result: ModelResult) -> dict[str, str]:
     Persson's theory where it says something.
     """
     texts = {}
-    for observable in OBSERVABLES:
-        name = variable_of(observable)
+    for observable in OBSERVABLES.values():
+        name = observable.variable
         if name in result:
             places = result[f"{name}_bin"]
             columns = {

@@ -339,7 +339,9 @@ def _check_roughbench(client: Client, workers: list[str]) -> None:
 
 def _code(task: Task) -> str:
     """Return a digest of what makes the numbers of a task."""
-    return f"{code_digest(type(task.cell.model))}-{observing_digest()}"
+    return (
+        f"{code_digest(type(task.cell.model))}-{observing_digest(task.cell.asked.observables)}"
+    )
 
 
 def _gigabytes(task: Task) -> int:

@@ -8,31 +8,25 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from roughbench.ensemble import means_and_errors
 from roughbench.errors import SolverError
 from roughbench.models.base import Fields, FloatArray, IntArray, Sample, Status
 from roughbench.observables import (
     OBSERVABLES,
     Field,
-    ObservableName,
+    Observable,
+    Origin,
     Profile,
     Scales,
     Units,
-    exponent,
     of_fields,
-    persson_pressure_shares,
-    persson_stress_spectrum,
 )
-from roughbench.observables.fields import mean_and_error
 from roughbench.planning.plan import Cell, Task
-from roughbench.planning.samples import Surface, rms_of
+from roughbench.planning.samples import rms_of
 from roughbench.results import Array, Attribute
 from roughbench.spec import SelfAffineSurface
-from roughbench.variables import dimensions, scalars_of, variable_of
+from roughbench.variables import dimensions
 
-GAMMA = 0.45
-"""Of Persson's stress spectrum beside the models'."""
-
-_SPECTRA: tuple[ObservableName, ...] = ("stress_spectrum", "contact_spectrum")
 _PRESSURE, _GAP = "field_pressure.", "field_gap."
 
 
@@ -57,7 +51,6 @@ class Observer:
         self._kept = {task.pressures.index(p) for p in task.kept(realization)}
         self._n_pressures = len(task.pressures)
         self._sample = sample
-        self._between = exponent_range(task.cell.surface)
         self._values: dict[str, Array] = {}
         self._refused: dict[int, SolverError] = {}
 
@@ -81,7 +74,7 @@ class Observer:
             self._refused[k] = error
             return
         for name in self._names:
-            self._enter(k, name, OBSERVABLES[name](field))
+            self._enter(k, OBSERVABLES[name], field)
 
     def _units(self) -> Units:
         if self._sample.spectrum is not None:
@@ -89,15 +82,13 @@ class Observer:
         height, slope = rms_of(self._sample)
         return Scales(slope, height)
 
-    def _enter(self, k: int, name: ObservableName, profile: Profile) -> None:
-        variable, scalars = variable_of(name), dict(profile.scalars)
-        if name in _SPECTRA and self._between is not None:
-            scalars["exponent"] = _exponent(profile, *self._between)
+    def _enter(self, k: int, observable: Observable, field: Field) -> None:
+        variable, profile = observable.variable, observable(field)
         self._values.setdefault(f"{variable}_bin", _places(profile))
         self._values.setdefault(f"{variable}_edges", profile.edges)
         self._row(variable, profile.values.shape)[k] = profile.values
-        for scalar, value in scalars.items():
-            self._row(scalars_of(name)[scalar])[k] = value
+        for scalar, value in profile.scalars.items():
+            self._row(observable.scalar_variables()[scalar])[k] = value
 
     def _row(self, variable: str, shape: tuple[int, ...] = ()) -> Array:
         if variable not in self._values:
@@ -157,7 +148,7 @@ class Observer:
         none = Fields(np.zeros(heights.shape), np.ones(heights.shape))
         field: Field = of_fields(none, self._sample.length, self._units())
         for name in self._names:
-            self._enter(0, name, OBSERVABLES[name](field))
+            self._enter(0, OBSERVABLES[name], field)
 
 
 def _places(profile: Profile) -> FloatArray:
@@ -165,29 +156,6 @@ def _places(profile: Profile) -> FloatArray:
     edges = profile.edges
     middle = np.sqrt(edges[1:] * edges[:-1])
     return np.where(np.isnan(profile.places), middle, profile.places)
-
-
-def exponent_range(surface: Surface) -> tuple[float, float] | None:
-    """Return the wavevectors between which spectra of the fields are fitted.
-
-    Returns
-    -------
-    (float, float) or None
-        The larger of twice the roll-off and an eighth of the cut-off, and half the cut-off;
-        None for heights from a file.
-    """
-    if not isinstance(surface, SelfAffineSurface):
-        return None
-    spectrum = surface.spectrum()
-    rolloff = spectrum.q_rolloff or spectrum.q_min
-    return max(2.0 * rolloff, spectrum.q_max / 8.0), spectrum.q_max / 2.0
-
-
-def _exponent(profile: Profile, low: float, high: float) -> float:
-    try:
-        return exponent([profile], low, high)[0]
-    except SolverError:  # too few rings, or none with power: there is no exponent
-        return math.nan
 
 
 # -- of the whole cell ---------------------------------------------------------------------
@@ -211,53 +179,36 @@ def averages(
     dict of str to ndarray
     """
     found: dict[str, Array] = {}
-    for name in cell.asked.observables:
-        for variable in (variable_of(name), *scalars_of(name).values()):
+    theories: dict[str, Array] = {}
+    origin = _origin(cell)
+    for observable in _asked(cell):
+        name = observable.variable
+        for variable in (name, *observable.scalar_variables().values()):
             if variable in variables:
-                mean, sem = _over_realizations(variables[variable], converged)
+                mean, sem = means_and_errors(variables[variable], converged)
                 found |= {f"{variable}_mean": mean, f"{variable}_sem": sem}
-    return found | _persson(cell, variables)
-
-
-def _over_realizations(
-    values: FloatArray, converged: NDArray[np.bool_]
-) -> tuple[FloatArray, FloatArray]:
-    mean, sem = np.full((2, *values.shape[1:]), math.nan)
-    for k, counts in enumerate(converged.T):
-        if counts.any():
-            mean[k], sem[k] = mean_and_error(values[counts, k])
-    return mean, sem
-
-
-def _persson(cell: Cell, variables: Mapping[str, Array]) -> dict[str, Array]:
-    theory: dict[str, Array] = {}
-    if not isinstance(cell.surface, SelfAffineSurface):
-        return theory
-    spectrum = cell.surface.spectrum()
-    if "pressure_pdf" in cell.asked.observables:
-        theory["pressure_pdf_persson"] = np.stack(
-            [persson_pressure_shares(p, spectrum.rms_slope) for p in cell.pressures]
-        )
-    if "stress_spectrum" in cell.asked.observables and cell.model.dimension == 2:
-        q = variables["stress_spectrum_bin"]
-        held = q > spectrum.q_min  # ξ(q) > 0
-        values = np.full((len(cell.pressures), q.size), math.nan)
-        for k, p in enumerate(cell.pressures):
-            values[k, held] = persson_stress_spectrum(spectrum, q[held], p, GAMMA)
-        theory["stress_spectrum_persson"] = values
-    return theory
+        if (bins := variables.get(f"{name}_bin")) is None:
+            continue
+        if (theory := observable.theory(origin, bins)) is not None:
+            theories[f"{name}_persson"] = theory
+    return found | theories
 
 
 def attributes(cell: Cell) -> dict[str, Attribute]:
     """Return what belongs to observables and fields but is no array."""
-    asked = cell.asked
-    if not asked.observables and not asked.kept:
+    if not cell.asked.observables and not cell.asked.kept:
         return {}
     found: dict[str, Attribute] = {"dimension": cell.model.dimension}
-    between = exponent_range(cell.surface)
-    if between is not None and not set(_SPECTRA).isdisjoint(asked.observables):
-        found |= {"exponent_from": between[0], "exponent_to": between[1]}
-    surfaces = between is not None and cell.model.dimension == 2
-    if surfaces and "stress_spectrum" in asked.observables:
-        found["persson_gamma"] = GAMMA
+    for observable in _asked(cell):
+        found |= observable.parameters(_origin(cell))
     return found
+
+
+def _asked(cell: Cell) -> list[Observable]:
+    return [OBSERVABLES[name] for name in cell.asked.observables]
+
+
+def _origin(cell: Cell) -> Origin:
+    surface = cell.surface
+    spectrum = surface.spectrum() if isinstance(surface, SelfAffineSurface) else None
+    return Origin(spectrum, cell.model.dimension, cell.pressures)

@@ -16,25 +16,21 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from roughbench.errors import StoreError
-from roughbench.figures import (
-    area,
-    contact,
-    fig3,
-    foundation,
-    separation,
-    spectrum,
-    stiffness,
-)
+from roughbench.figures import contact, fig3, foundation, spectrum, stiffness
 from roughbench.figures.agreement import Agreement, departures
-from roughbench.figures.observed import Observed
+from roughbench.figures.observed import ObservableFigure
+from roughbench.figures.quantity import QuantityFigure
+from roughbench.figures.separation import SeparationFigure
 from roughbench.figures.style import check_files, publication_style, save, source_of
 from roughbench.observables import OBSERVABLES
+from roughbench.quantities import compared
+from roughbench.registry import Registry
 from roughbench.results import Results
-from roughbench.variables import variable_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -52,18 +48,25 @@ class Recipe(Protocol):
         """Return the figure, of results that lack nothing."""
 
 
-FIGURES: dict[str, Recipe] = {
+_PAPER: Mapping[str, Recipe] = {
     "foundation": foundation,
     "spectrum": spectrum,
-    "area": area,
-    "separation": separation,
+    "area": QuantityFigure("area"),
+    "separation": SeparationFigure("separation"),
     "stiffness": stiffness,
     "fig3": fig3,
-    **{variable_of(name): Observed(name) for name in OBSERVABLES},
+}
+_OF_FIELDS: Mapping[str, Recipe] = {
+    **{one.variable: ObservableFigure(one) for one in OBSERVABLES.values()},
     "contact": contact,
 }
-"""Name → module: the paper's Figs. 1, 2, 3(a), 3(b), 4, and both halves of Fig. 3; each
-observable, and the fields that are kept."""
+_MORE = {name: QuantityFigure(name) for name in compared() if name not in _PAPER}
+
+FIGURES: Mapping[str, Recipe] = Registry(
+    "roughbench.figures", {**_PAPER, **_MORE, **_OF_FIELDS}
+)
+"""Name → recipe: the paper's Figs. 1, 2, 3(a), 3(b), 4, and both halves of Fig. 3; further
+quantities; each observable, and the fields that are kept; those that other packages declare."""
 
 
 def available(results: Results) -> list[str]:

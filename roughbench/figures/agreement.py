@@ -167,4 +167,5 @@ def agreement_in(results: Results, experiment: str, factor: float) -> Agreement 
 
 
 def _first(results: Results, experiment: str, kind: str) -> ModelResult | None:
-    return next((r for r in results[experiment].values() if r.kind == kind), None)
+    models = results[experiment].values()
+    return next((r for r in models if r.kind == kind and "stiffness_mean" in r), None)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from roughbench.quantities import QUANTITIES
 from roughbench.results import ModelResult, Results
 
 FloatArray = NDArray[np.float64]
-Quantity = Literal["area", "separation", "stiffness"]
 POINTS = ("bem",)
 """Kinds drawn as points; all others are lines."""
 
@@ -39,7 +39,7 @@ class Curve:
     is_median: NDArray[np.bool_]
 
 
-def curve_of(result: ModelResult, quantity: Quantity) -> Curve:
+def curve_of(result: ModelResult, name: str) -> Curve:
     """Return a contender's curve, with lengths in the unit of the spectrum's h_rms.
 
     It is the mean with its standard error; where a realization in full contact makes
@@ -50,21 +50,21 @@ def curve_of(result: ModelResult, quantity: Quantity) -> Curve:
     Parameters
     ----------
     result : ModelResult
-    quantity : {"area", "separation", "stiffness"}
+    name : str
+        Of a quantity that the contender has.
 
     Returns
     -------
     Curve
         nan where the contender does not give the quantity.
     """
-    height = float(result.attributes["rms_height"])
-    unit = {"area": 1.0, "separation": height, "stiffness": 1.0 / height}[quantity]
+    unit = QUANTITIES[name].unit(float(result.attributes["rms_height"]))
     order = np.argsort(result["pressure"], kind="stable")
 
     def column(statistic: str) -> FloatArray:
-        if quantity not in result:
+        if name not in result:
             return np.full(order.size, np.nan)
-        return np.asarray(result[f"{quantity}_{statistic}"], float)[order] / unit
+        return np.asarray(result[f"{name}_{statistic}"], float)[order] / unit
 
     mean, error = column("mean"), column("sem")
     is_median = np.isinf(mean) & (result.n_realizations > 1)
@@ -80,12 +80,22 @@ def curve_of(result: ModelResult, quantity: Quantity) -> Curve:
     )
 
 
+def curves_of(
+    results: Results, name: str, experiments: Iterable[str] | None = None
+) -> Iterator[tuple[str, ModelResult, Curve]]:
+    """Yield experiment, contender and curve of all that have a quantity."""
+    for experiment in results if experiments is None else experiments:
+        for result in results[experiment].values():
+            if name in result:
+                yield experiment, result, curve_of(result, name)
+
+
 def full_contact_pressure(curve: Curve) -> float | None:
     """Return the lowest pressure at which the curve is 0 or inf, if there is one."""
     full = (curve.value == 0.0) | np.isinf(curve.value)
     return float(curve.pressure[int(np.argmax(full))]) if full.any() else None
 
 
-def has_medians(results: Results, quantity: Quantity) -> bool:
+def has_medians(results: Results, name: str) -> bool:
     """Return whether a curve shows a median somewhere."""
-    return any(curve_of(result, quantity).is_median.any() for _, result in results.models())
+    return any(curve.is_median.any() for _, _, curve in curves_of(results, name))

@@ -4,27 +4,30 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from roughbench.figures import area, separation
 from roughbench.figures.labels import height_remark, unconverged_remarks
 from roughbench.figures.panel import legend_handles
+from roughbench.figures.quantity import QuantityFigure
+from roughbench.figures.separation import SeparationFigure
 from roughbench.figures.style import footnote, legend_above, letter, new_figure
 from roughbench.results import Results
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+_PANELS = QuantityFigure("area"), SeparationFigure("separation")
+
 
 def missing(results: Results) -> str | None:
     """Return what the results lack for this figure, or None."""
-    return area.missing(results) or separation.missing(results)
+    return next(filter(None, (panel.missing(results) for panel in _PANELS)), None)
 
 
 def draw(results: Results) -> Figure:
     """Return the figure."""
-    figure, (upper, lower) = new_figure(2, 2.3, extra=0.6, share=True)
-    area.panel(upper, results)
-    separation.panel(lower, results)
-    for number, axes in enumerate((upper, lower)):
+    figure, both = new_figure(2, 2.3, extra=0.6, share=True)
+    for panel, axes in zip(_PANELS, both, strict=True):
+        panel.panel(axes, results)
+    for number, axes in enumerate(both):
         axes.label_outer()
         letter(axes, number)
     legend_above(figure, legend_handles(results, list(results), "separation", of_all=True))

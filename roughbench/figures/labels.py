@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from roughbench.figures.curves import Quantity, curve_of
+from roughbench.figures.curves import curve_of
 from roughbench.results import ModelResult, Results
 
 MODULUS = r"E\!^*"
-PRESSURE = rf"pressure $p/{MODULUS}$"
 _SYMBOLS: Mapping[str, str] = {
     "surface.H": "H",
     "surface.q0": "q_0",
@@ -105,9 +104,7 @@ def height_remark(results: Results) -> str:
     return rf"$h_\mathrm{{rms}}$: {words.get(frozenset(from_files), either)}."
 
 
-def model_names(
-    results: Results, experiments: Sequence[str], quantity: Quantity
-) -> dict[str, str]:
+def model_names(results: Results, experiments: Sequence[str], quantity: str) -> dict[str, str]:
     """Return the legend's text for every label: title, parameters, n, kind of average."""
     found: dict[str, list[ModelResult]] = {}
     for experiment in experiments:
@@ -150,7 +147,7 @@ def _is_theory(model: ModelResult) -> bool:
     return model.kind == "persson" or not (has_heights or model.n_realizations > 1)
 
 
-def _parameters(model: ModelResult, quantity: Quantity) -> list[str]:
+def _parameters(model: ModelResult, quantity: str) -> list[str]:
     remarks = []
     if "gamma" in model.attributes:
         remarks.append(rf"$\gamma = {model.attributes['gamma']:g}$")

@@ -25,9 +25,9 @@ from roughbench.figures.labels import (
 )
 from roughbench.figures.looks import PERSSON, Look, looks
 from roughbench.figures.style import footnote, legend_above, letter, new_figure
-from roughbench.observables import ObservableName
+from roughbench.notation import mathtext
+from roughbench.observables import Observable
 from roughbench.results import ModelResult, Results
-from roughbench.variables import variable_of
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -40,15 +40,6 @@ MOST_PANELS = 4
 """Pressures of a single experiment; of several, two each are drawn."""
 DECADES = 1e-7
 """Values below the highest by more than this factor are cut off; in reports, at first."""
-_WORDS: Mapping[ObservableName, tuple[str, str]] = {
-    "pressure_pdf": (r"pressure $\sigma/(E\!^*\xi)$", "density"),
-    "gap_pdf": (r"gap $g/h_\mathrm{rms}$", "density"),
-    "stress_spectrum": (r"wavevector $q$", r"$C_\sigma(q)$, lines: $C_\sigma/\pi q$"),
-    "contact_spectrum": (r"wavevector $q$", r"$C_c(q)$, lines: $C_c/\pi q$"),
-    "energy": (r"wavevector $q$", r"energy per ring"),
-    "clusters": ("points of a patch", "patches"),
-}
-_DENSITIES = ("stress_spectrum", "contact_spectrum")
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,29 +66,29 @@ class Line:
 
 
 @dataclass(frozen=True, slots=True)
-class Observed:
+class ObservableFigure:
     """The figure of one observable.
 
     Attributes
     ----------
-    observable : str
+    observable : Observable
     """
 
-    observable: ObservableName
+    observable: Observable
 
     def missing(self, results: Results) -> str | None:
         """Return what the results lack for this figure, or None."""
-        name = variable_of(self.observable)
-        if any(name in result for _, result in results.models()):
+        if any(self.observable.variable in result for _, result in results.models()):
             return None
-        return f"the observable {self.observable}, which a spec asks for with observables"
+        return f"the observable {self.observable.name}, which a spec asks for with observables"
 
     def draw(self, results: Results) -> Figure:
         """Return the figure."""
-        axis, value = _WORDS[self.observable]
-        scale = "linear" if self.observable == "pressure_pdf" else "log"
-        figure = panels(dict(self._panels(results)), axis, value, scale)
-        height = [height_remark(results)] * (self.observable == "gap_pdf")
+        shown = self.observable
+        scale = "log" if shown.x_is_log else "linear"
+        axes = mathtext(shown.x), mathtext(shown.y)
+        figure = panels(dict(self._panels(results)), *axes, scale)
+        height = [height_remark(results)] * shown.is_in_heights
         footnote(figure, height + unconverged_remarks(results))
         return figure
 
@@ -110,7 +101,7 @@ class Observed:
             own = {
                 names[label]: result
                 for label, result in models.items()
-                if variable_of(self.observable) in result
+                if self.observable.variable in result
             }
             pressures = next((result["pressure"] for result in own.values()), np.empty(0))
             count = min(most, pressures.size)
@@ -122,25 +113,19 @@ class Observed:
     def _lines(
         self, models: Mapping[str, ModelResult], styles: Mapping[str, Look], k: int
     ) -> list[Line]:
-        name = variable_of(self.observable)
+        name = self.observable.variable
         lines: list[Line] = []
         theory: list[Line] = []
         for title, result in models.items():
             x = result[f"{name}_bin"]
-            is_line = result.attributes["dimension"] == 1 and self.observable in _DENSITIES
-            unit = math.pi * x if is_line else np.ones(x.shape)
+            unit = self.observable.drawn_unit(x, int(result.attributes["dimension"]))
             mean, sem = result[f"{name}_mean"][k], result[f"{name}_sem"][k]
             lines.append(Line(title, x, mean / unit, sem / unit, styles[result.label]))
             if f"{name}_persson" in result and not theory:
                 values, none = result[f"{name}_persson"][k], np.full(x.shape, math.nan)
-                title = self._theory(result)
+                title = self.observable.theory_title(result.attributes)
                 theory.append(Line(title, x, values, none, PERSSON, is_theory=True))
         return lines + theory
-
-    def _theory(self, result: ModelResult) -> str:
-        if self.observable == "pressure_pdf":
-            return "Persson"
-        return rf"Persson, $\gamma = {result.attributes['persson_gamma']:g}$"
 
 
 def panels(

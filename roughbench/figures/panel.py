@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from roughbench.figures.curves import Curve, Quantity, curve_of, full_contact_pressure
-from roughbench.figures.labels import PRESSURE, experiment_labels, model_names
+from roughbench.figures.curves import Curve, curves_of, full_contact_pressure
+from roughbench.figures.labels import experiment_labels, model_names
 from roughbench.figures.looks import Look, experiment_shades, lighter, looks
 from roughbench.figures.style import SMALL
+from roughbench.notation import mathtext
+from roughbench.quantities import PRESSURE, QUANTITIES
 from roughbench.results import Results
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
-_FULL_CONTACT: Mapping[Quantity, tuple[float, str]] = {
-    "separation": (0.025, "v"),
-    "stiffness": (0.975, "^"),
-}
+_FULL_CONTACT = {0.0: (0.025, "v"), math.inf: (0.975, "^")}
 """Where curves leave a logarithmic axis at full contact, for 0 or inf, and the mark."""
 
 
@@ -29,7 +28,7 @@ def draw_panel(
     axes: Axes,
     results: Results,
     experiments: Sequence[str],
-    quantity: Quantity,
+    quantity: str,
     *,
     is_inset: bool = False,
 ) -> None:
@@ -41,7 +40,7 @@ def draw_panel(
     results : Results
     experiments : sequence of str
         Colours tell the contenders apart, shades the experiments.
-    quantity : {"area", "separation", "stiffness"}
+    quantity : str
     is_inset : bool
         Small, with a linear ordinate, without error bars and marks.
     """
@@ -51,13 +50,10 @@ def draw_panel(
     styles = looks(results)
     for number, experiment in enumerate(experiments):
         turn = number / len(experiments)
-        for label, result in results[experiment].items():
-            if quantity not in result:
-                continue
-            curve = curve_of(result, quantity)
-            look = styles[label]
+        for _, result, curve in curves_of(results, quantity, [experiment]):
+            look = styles[result.label]
             colour = lighter(look.colour, shades[experiment])
-            name = f"{experiment}/{label}/{quantity}"
+            name = f"{experiment}/{result.label}/{quantity}"
             if is_inset:
                 _draw_thin(axes, curve, look, colour, turn=turn)
             else:
@@ -73,21 +69,15 @@ def draw_panel(
         axes.tick_params(labelsize=SMALL - 0.5, length=2, pad=1.5)
         axes.tick_params(which="minor", length=0)
     else:
-        axes.set_xlabel(PRESSURE)
+        axes.set_xlabel(mathtext(PRESSURE.label))
+        axes.set_ylabel(mathtext(QUANTITIES[quantity].label))
 
 
-def limit_to_curves(
-    axes: Axes,
-    results: Results,
-    quantity: Quantity,
-    *,
-    lowest: float = 0.0,
-    highest: float = math.inf,
-) -> None:
+def limit_to_curves(axes: Axes, results: Results, quantity: str) -> None:
     """Show the curves from the lowest value to the highest, whatever their bands do.
 
     A band whose lower edge is at or below zero has no end on a logarithmic axis: it runs out
-    of the panel.
+    of the panel. What lies beyond the limits of the quantity is cut off.
 
     Parameters
     ----------
@@ -95,13 +85,10 @@ def limit_to_curves(
         With a logarithmic ordinate.
     results : Results
         All of them, so that panels side by side have the same limits.
-    quantity : {"area", "separation", "stiffness"}
-    lowest, highest : float
-        What lies beyond them is cut off.
+    quantity : str
     """
-    values = np.concatenate(
-        [curve_of(result, quantity).value for _, result in results.models()]
-    )
+    lowest, highest = QUANTITIES[quantity].lowest, QUANTITIES[quantity].highest
+    values = np.concatenate([curve.value for _, _, curve in curves_of(results, quantity)])
     values = values[np.isfinite(values) & (values > 0.0)]
     if values.size and values.min() < highest and values.max() > lowest:
         low, high = max(values.min(), lowest), min(values.max(), highest)
@@ -179,12 +166,12 @@ def _draw_thin(axes: Axes, curve: Curve, look: Look, colour: str, *, turn: float
 
 
 def _mark_full_contact(
-    axes: Axes, curve: Curve, look: Look, colour: str, quantity: Quantity
+    axes: Axes, curve: Curve, look: Look, colour: str, quantity: str
 ) -> None:
-    pressure = full_contact_pressure(curve)
-    if pressure is None or quantity not in _FULL_CONTACT:
+    pressure, full = full_contact_pressure(curve), QUANTITIES[quantity].at_full_contact
+    if pressure is None or full is None:
         return
-    place, marker = _FULL_CONTACT[quantity]
+    place, marker = _FULL_CONTACT[full]
     axes.plot(
         [pressure],
         [place],
@@ -202,7 +189,7 @@ def _mark_full_contact(
 def legend_handles(
     results: Results,
     experiments: Sequence[str],
-    quantity: Quantity,
+    quantity: str,
     *,
     in_one_panel: bool = True,
     of_all: bool = False,
@@ -213,7 +200,7 @@ def legend_handles(
     ----------
     results : Results
     experiments : sequence of str
-    quantity : {"area", "separation", "stiffness"}
+    quantity : str
     in_one_panel : bool
         Whether shades tell the experiments apart; else each has a panel of its own.
     of_all : bool
@@ -252,12 +239,12 @@ def legend_handles(
             Line2D([], [], color=lighter("#000000", share), linewidth=3, label=names[name])
             for name, share in experiment_shades(experiments).items()
         ]
-    if quantity in _FULL_CONTACT and any(
-        full_contact_pressure(curve_of(result, quantity)) is not None
-        for name in experiments
-        for result in results[name].values()
+    full = QUANTITIES[quantity].at_full_contact
+    if full is not None and any(
+        full_contact_pressure(curve) is not None
+        for _, _, curve in curves_of(results, quantity, experiments)
     ):
-        marker = Line2D([], [], marker=_FULL_CONTACT[quantity][1], linestyle="none")
+        marker = Line2D([], [], marker=_FULL_CONTACT[full][1], linestyle="none")
         marker.set(color="0.25", markersize=4.5, label="full contact")
         handles.append(marker)
     return handles

@@ -17,9 +17,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from roughbench.figures.agreement import FACTOR, Agreement, agreement_in, departures
-from roughbench.figures.curves import curve_of, has_medians
+from roughbench.figures.curves import curves_of, has_medians
 from roughbench.figures.labels import (
-    MODULUS,
     experiment_labels,
     height_remark,
     number_text,
@@ -35,6 +34,7 @@ from roughbench.figures.style import (
     letter,
     new_figure,
 )
+from roughbench.quantities import QUANTITIES
 from roughbench.results import Results
 
 if TYPE_CHECKING:
@@ -42,16 +42,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-CEILING = 1e2
-"""Stiffnesses K h_rms/E* above this are cut off: there is hardly a gap left to close."""
 _DEPARTURE: dict[str, Any] = {"color": "0.3", "linewidth": 0.7, "linestyle": (0, (4, 3))}
 
 
 def missing(results: Results) -> str | None:
     """Return what the results lack for this figure, or None."""
-    has_line = any(
-        np.isfinite(curve_of(result, "stiffness").value).any() for _, result in results.models()
-    )
+    curves = curves_of(results, "stiffness")
+    has_line = any(np.isfinite(curve.value).any() for _, _, curve in curves)
     return None if has_line else "a model with a finite stiffness"
 
 
@@ -75,12 +72,10 @@ def draw(results: Results) -> Figure:
 
 def _panel(axes: Axes, results: Results, experiment: str, number: int) -> None:
     draw_panel(axes, results, [experiment], "stiffness")
-    label = rf"stiffness $K h_\mathrm{{rms}}/{MODULUS}$"
-    axes.set_ylabel(label)
     axes.label_outer()
     if len(results) > 1:
         letter(axes, number, experiment_labels(results)[experiment])
-    limit_to_curves(axes, results, "stiffness", highest=CEILING)
+    limit_to_curves(axes, results, "stiffness")
     _draw_guides(axes, results, experiment)
     _draw_departures(axes, agreement_in(results, experiment, FACTOR))
 
@@ -99,11 +94,18 @@ def _handles(results: Results) -> list[Artist]:
 def _draw_guides(axes: Axes, results: Results, experiment: str) -> None:
     """Draw short lines with the slopes of K ∝ p and of K ∝ p^{1/(1+H)}."""
     models = results[experiment].values()
-    curves = [curve_of(result, "stiffness") for result in models]
     points = np.concatenate(
-        [np.stack([curve.pressure, curve.value]) for curve in curves], axis=1
+        [
+            np.empty((2, 0)),
+            *(
+                np.stack([curve.pressure, curve.value])
+                for _, _, curve in curves_of(results, "stiffness", [experiment])
+            ),
+        ],
+        axis=1,
     )
-    points = points[:, np.isfinite(points[1]) & (points[1] > 0.0) & (points[1] < CEILING)]
+    drawn = (points[1] > 0.0) & (points[1] < QUANTITIES["stiffness"].highest)
+    points = points[:, np.isfinite(points[1]) & drawn]
     if points.size == 0:
         return
     x = np.log(points[0])

@@ -48,14 +48,14 @@ from roughbench.fits.resampling import (
     harmonic_means,
     resampled_means,
 )
-from roughbench.fits.tables import PERCENTS, QUANTITIES
+from roughbench.fits.tables import PERCENTS
+from roughbench.quantities import Quantity, compared
 from roughbench.results import ModelResult, Results
 
 __all__ = [
     "MISSING",
     "NOT_GIVEN",
     "PERCENTS",
-    "QUANTITIES",
     "RESAMPLES",
     "Estimate",
     "factors",
@@ -68,7 +68,6 @@ Fits = dict[str, dict[str, dict[str, Estimate]]]
 """Experiment → label → name → estimate."""
 
 RESAMPLES = 1000
-POWERS_OF_LENGTH = {"area": 0, "separation": 1, "stiffness": -1}
 
 
 def reference_of(models: dict[str, ModelResult], reference: str | None = None) -> str | None:
@@ -163,7 +162,7 @@ def _fit_model(one: _Drawn, reference: _Drawn | None) -> dict[str, Estimate]:
     if not np.array_equal(reference.pressure, pressure):
         return found
     count = n_random(one.result, reference.result)
-    for name in QUANTITIES:
+    for name in _compared(one, reference):
         ends = [
             f"{name}_agrees_{end}_{percent}" for percent in PERCENTS for end in ("from", "to")
         ]
@@ -188,12 +187,7 @@ def n_random(*results: ModelResult) -> int:
 
     Theories and heights from a file have nothing random in them.
     """
-    numbers = [
-        result.n_realizations
-        for result in results
-        if "grid_points" in result.attributes and result.attributes.get("surface") != "file"
-    ]
-    return min(numbers, default=0)
+    return min((one.n_realizations for one in results if one.is_random), default=0)
 
 
 def factors(
@@ -222,12 +216,13 @@ def factors(
 
 def _factors(one: _Drawn, reference: _Drawn) -> dict[str, Estimate]:
     found, count = {}, n_random(one.result, reference.result)
-    for name, power in POWERS_OF_LENGTH.items():
+    for name, quantity in _compared(one, reference).items():
         if not one.gives(name, reference):
             found[f"{name}_factor"] = NOT_GIVEN
             continue
-        mean = "stiffness_harmonic" if name == "stiffness" else name
-        ours, theirs = (x.means[mean] / x.height**power for x in (one, reference))
+        ours, theirs = (
+            x.means[quantity.averaged] / x.height**quantity.length for x in (one, reference)
+        )
         ours, theirs = _paired(ours, theirs)
         ends = reference.linear["area" if name == "area" else "stiffness"]
         start, end = (np.broadcast_to(x, len(theirs)) for x in ends)
@@ -235,6 +230,15 @@ def _factors(one: _Drawn, reference: _Drawn) -> dict[str, Estimate]:
             fit_factor(reference.pressure, ours, theirs, (start, end)), count=count
         )
     return found
+
+
+def _compared(one: _Drawn, other: _Drawn) -> dict[str, Quantity]:
+    """Return the quantities that every model should give, and what one of the two gives."""
+    return {
+        name: quantity
+        for name, quantity in compared().items()
+        if quantity.is_expected or name in one.result or name in other.result
+    }
 
 
 class _Drawn:
@@ -254,8 +258,10 @@ class _Drawn:
         counts = draw_counts(result.n_realizations, resamples, seed)
         self.result = result
         self.pressure = np.asarray(result["pressure"], float)
-        self.means = {name: resampled_means(result, name, counts) for name in QUANTITIES}
-        self.means["stiffness_harmonic"] = harmonic_means(result, "stiffness", counts)
+        self.means = {name: resampled_means(result, name, counts) for name in compared()}
+        for name, quantity in compared().items():
+            if quantity.has_harmonic_mean:
+                self.means[quantity.averaged] = harmonic_means(result, name, counts)
         heights = np.asarray(result["rms_height"], float)
         self.height = (counts @ heights / heights.size)[:, None]
 

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from roughbench.fits.resampling import MISSING, Estimate
+from roughbench.notation import plain
+from roughbench.quantities import compared
 
 PERCENTS = (10, 50)
-QUANTITIES = ("area", "separation", "stiffness")
-_WORDS = {"area": "A/A0", "separation": "ū", "stiffness": "K"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,15 +90,20 @@ def law_tables(models: Mapping[str, Mapping[str, Estimate]]) -> Iterator[Table]:
             },
             models,
         )
-    others = {label: names for label, names in models.items() if "area_factor" in names}
+    factors = {
+        f"in {plain(quantity.in_heights)}": f"{name}_factor"
+        for name, quantity in compared().items()
+        if any(f"{name}_factor" in names for names in models.values())
+    }
+    others = {
+        label: names
+        for label, names in models.items()
+        if any(factor in names for factor in factors.values())
+    }
     if others:
         yield _table(
             "factor from the reference, where that has A ~ p or K ~ p; own h_rms",
-            {
-                "in A/A0": "area_factor",
-                "in ū/h_rms": "separation_factor",
-                "in K h_rms": "stiffness_factor",
-            },
+            factors,
             others,
         )
 
@@ -120,11 +125,11 @@ def departure_tables(
         One for each quantity and percentage, with a lower and an upper end.
     """
     for percent in PERCENTS:
-        for quantity in QUANTITIES:
-            start, end = (f"{quantity}_agrees_{side}_{percent}" for side in ("from", "to"))
+        for name, quantity in compared().items():
+            start, end = (f"{name}_agrees_{side}_{percent}" for side in ("from", "to"))
             known = {label: models[label] for label in others if start in models[label]}
             if known:
-                title = f"{_WORDS[quantity]} within {percent} %"
+                title = f"{plain(quantity.symbol)} within {percent} %"
                 yield _table(title, {"from": start, "to": end}, known)
 
 

@@ -19,35 +19,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Literal, Protocol
+from collections.abc import Mapping
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from roughbench.inputs import float_array
 from roughbench.models.base import Fields
-from roughbench.observables.clusters import Patches, clusters, find_patches
-from roughbench.observables.distributions import (
-    gap_pdf,
+from roughbench.observables.base import Observable, Origin
+from roughbench.observables.contact import contact_spectrum
+from roughbench.observables.energy import energy_spectrum
+from roughbench.observables.fields import Average, Field, Profile, Scales, Units, average
+from roughbench.observables.gaps import gap_pdf
+from roughbench.observables.patches import Patches, clusters, find_patches
+from roughbench.observables.pressures import (
     persson_pressure_pdf,
     persson_pressure_shares,
     pressure_pdf,
 )
-from roughbench.observables.fields import Average, Field, Profile, Scales, Units, average
-from roughbench.observables.spectra import (
-    contact_spectrum,
-    energy_spectrum,
-    exponent,
-    persson_stress_spectrum,
-    stress_spectrum,
-)
+from roughbench.observables.rings import exponent
+from roughbench.observables.stress import persson_stress_spectrum, stress_spectrum
+from roughbench.registry import Registry
+from roughbench.spectrum import Spectrum
 
 __all__ = [
     "OBSERVABLES",
     "Average",
     "Field",
-    "ObservableName",
+    "Observable",
+    "Origin",
     "Patches",
     "Profile",
     "Scales",
@@ -69,18 +70,12 @@ __all__ = [
     "stress_spectrum",
 ]
 
-ObservableName = Literal[
-    "pressure_pdf", "gap_pdf", "stress_spectrum", "contact_spectrum", "clusters", "energy"
-]
-OBSERVABLES: dict[ObservableName, Callable[[Field], Profile]] = {
-    "pressure_pdf": pressure_pdf,
-    "gap_pdf": gap_pdf,
-    "stress_spectrum": stress_spectrum,
-    "contact_spectrum": contact_spectrum,
-    "clusters": clusters,
-    "energy": energy_spectrum,
-}
-"""Name → function of a field."""
+_OWN = (pressure_pdf, gap_pdf, stress_spectrum, contact_spectrum, clusters, energy_spectrum)
+
+OBSERVABLES: Mapping[str, Observable] = Registry(
+    "roughbench.observables", {observable.name: observable for observable in _OWN}
+)
+"""Name → observable, a function of a field; other packages declare theirs as entry points."""
 
 
 class _State(Protocol):
@@ -114,6 +109,7 @@ def of_state(state: _State, length: float, units: Units, modulus: float = 1.0) -
         length=length,
         rms_slope=units.rms_slope,
         rms_height=units.rms_height,
+        spectrum=_spectrum(units),
     )
 
 
@@ -170,4 +166,9 @@ def of_fields(fields: Fields, length: float, units: Units) -> Field:
         rms_slope=units.rms_slope,
         rms_height=units.rms_height,
         modulus=fields.modulus,
+        spectrum=_spectrum(units),
     )
+
+
+def _spectrum(units: Units) -> Spectrum | None:
+    return units if isinstance(units, Spectrum) else None

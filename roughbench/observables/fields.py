@@ -8,10 +8,12 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from roughbench.ensemble import mean_and_error
 from roughbench.errors import SolverError
 from roughbench.inputs import real_array
+from roughbench.spectrum import Spectrum
 
 FloatArray = NDArray[np.float64]
 
@@ -60,6 +62,8 @@ class Field:
         and gaps, so that surfaces can be averaged bin by bin.
     modulus : float or None
         k_w/E* of independent springs, 1/length; None for a half-space.
+    spectrum : Spectrum or None
+        Of the surface, where it is known.
     """
 
     pressure: FloatArray
@@ -68,6 +72,7 @@ class Field:
     rms_slope: float
     rms_height: float
     modulus: float | None = None
+    spectrum: Spectrum | None = None
 
     def __post_init__(self) -> None:
         """Refuse what is no state.
@@ -115,8 +120,6 @@ class Profile:
     Attributes
     ----------
     name : str
-    axis : str
-        What it is a function of, with its unit.
     edges : ndarray of float64, shape (K + 1,)
         Ends of the bins, the same for all realizations of an ensemble.
     places : ndarray of float64, shape (K,)
@@ -127,7 +130,6 @@ class Profile:
     """
 
     name: str
-    axis: str
     edges: FloatArray
     places: FloatArray
     values: FloatArray
@@ -140,7 +142,7 @@ class Average:
 
     Attributes
     ----------
-    name, axis, edges, places
+    name, edges, places
         As of its profiles.
     mean, sem : ndarray of float64, shape (K,)
         Mean and its standard error (nan for a single realization).
@@ -151,7 +153,6 @@ class Average:
     """
 
     name: str
-    axis: str
     edges: FloatArray
     places: FloatArray
     mean: FloatArray
@@ -188,16 +189,4 @@ def average(profiles: Sequence[Profile]) -> Average:
     for name in first.scalars:
         a, b = mean_and_error([[profile.scalars[name]] for profile in profiles])
         scalars[name] = (float(a[0]), float(b[0]))
-    return Average(
-        first.name, first.axis, first.edges, first.places, mean, sem, scalars, len(profiles)
-    )
-
-
-def mean_and_error(values: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Return mean and standard error over the first axis; one row has an error of nan."""
-    rows = np.asarray(values, float)
-    count = len(rows)
-    mean = rows.mean(axis=0)
-    if count == 1:
-        return mean, np.full(mean.shape, math.nan)
-    return mean, np.sqrt(((rows - mean) ** 2).sum(axis=0) / (count * (count - 1)))
+    return Average(first.name, first.edges, first.places, mean, sem, scalars, len(profiles))

@@ -11,7 +11,7 @@ import numpy as np
 
 from roughbench.errors import SurfaceError
 from roughbench.models.base import FloatArray, Model
-from roughbench.observables import OBSERVABLES, ObservableName
+from roughbench.observables import OBSERVABLES
 from roughbench.planning.samples import Heights, Surface, check_sample, read_heights
 from roughbench.results import Array
 from roughbench.spec import FileSurface, SelfAffineSurface, Spec
@@ -38,7 +38,7 @@ class Asked:
         Those of these states, from 0, ascending.
     """
 
-    observables: tuple[ObservableName, ...] = ()
+    observables: tuple[str, ...] = ()
     pressures: tuple[float, ...] = ()
     realizations: tuple[int, ...] = ()
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.figures.curves import Curve, Quantity, curve_of
+from roughbench.figures.curves import Curve, curve_of
+from roughbench.quantities import Quantity, compared
 from roughbench.report.charts import ChartSeries, Ranges, ReportChart
 from roughbench.report.numbers import number, with_error
 from roughbench.report.sources import ReportSource
@@ -33,7 +34,7 @@ class PressureChart:
     key : str
     title, axis : str
         With formulas in plain text; the axis is the ordinate.
-    quantity : {"area", "separation", "stiffness"}
+    quantity : str
         Where its values come from.
     per_pressure : callable, optional
         What the values are multiplied by where they are divided by the pressure.
@@ -46,28 +47,35 @@ class PressureChart:
     key: str
     title: str
     axis: str
-    quantity: Quantity
+    quantity: str
     per_pressure: Callable[[ModelResult], float] | None = None
     lowest: float = 0.0
     highest: float = math.inf
     is_log: bool = True
 
 
+def _of_quantity(quantity: Quantity) -> PressureChart:
+    return PressureChart(
+        quantity.name,
+        quantity.words.capitalize(),
+        quantity.scaled,
+        quantity.name,
+        lowest=quantity.lowest,
+        highest=quantity.highest,
+        is_log=quantity.at_full_contact != 0.0,
+    )
+
+
 _KAPPA = "κ = (A/A_0) E*ξ/p"
-PRESSURE_CHARTS = (
-    PressureChart("area", "Contact area", "A/A_0", "area"),
-    PressureChart(
+_BESIDE = {
+    "area": PressureChart(
         "kappa",
         f"Is the area proportional to the pressure? {_KAPPA}",
         _KAPPA,
         "area",
         _rms_slope,
     ),
-    PressureChart(
-        "separation", "Mean separation", "ū/h_rms", "separation", lowest=1e-4, is_log=False
-    ),
-    PressureChart("stiffness", "Stiffness", "K h_rms/E*", "stiffness", highest=1e2),
-    PressureChart(
+    "stiffness": PressureChart(
         "stiffness-by-pressure",
         "Is the stiffness proportional to the pressure? K h_rms/p",
         "K h_rms/p",
@@ -75,7 +83,16 @@ PRESSURE_CHARTS = (
         lambda _: 1.0,
         highest=1e3,
     ),
-)
+}
+"""By the quantity whose chart they follow."""
+
+
+def charted() -> Iterator[PressureChart]:
+    """Yield every kind of chart: of each quantity, and what is held against the pressure."""
+    for name, quantity in compared().items():
+        yield _of_quantity(quantity)
+        if name in _BESIDE:
+            yield _BESIDE[name]
 
 
 def has_quantity(result: ModelResult, quantity: str) -> bool:
@@ -86,7 +103,7 @@ def has_quantity(result: ModelResult, quantity: str) -> bool:
 def pressure_charts(source: ReportSource, styles: Mapping[str, PageStyle]) -> list[ReportChart]:
     """Return the charts of all curves over the pressure, each with a curve at least."""
     models = list(drawn_models(source, styles))
-    charts = (_chart(source, kind, models) for kind in PRESSURE_CHARTS)
+    charts = (_chart(source, kind, models) for kind in charted())
     return [chart for chart in charts if chart.series]
 
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from roughbench.figures.observed import DECADES
+from roughbench.observables import OBSERVABLES, Observable, clusters
 from roughbench.report.charts import ChartSeries, Ranges, ReportChart
 from roughbench.report.sources import ReportSource
 from roughbench.report.styles import THEORY_COLOUR, DrawnModel, PageStyle, drawn_models
@@ -20,41 +20,10 @@ MOST_PRESSURES = 8
 """Pressures at which observables are drawn; of more, some between the ends are left out."""
 
 
-@dataclass(frozen=True, slots=True)
-class ObservableChart:
-    """Title and axes of one observable, with formulas in plain text."""
-
-    title: str
-    x_axis: str
-    y_axis: str
-    is_log: tuple[bool, bool] = (True, True)
-    is_spectrum: bool = False
-
-
-_CHARTS: Mapping[str, ObservableChart] = {
-    "pressure_pdf": ObservableChart(
-        "Distribution of the contact pressure", "pressure σ/(E*ξ)", "density", (False, True)
-    ),
-    "gap_pdf": ObservableChart("Distribution of the gap", "gap g/h_rms", "density"),
-    "stress_spectrum": ObservableChart(
-        "Spectrum of the contact pressure",
-        "wavevector q",
-        "C_σ(q)/E*²; of lines C_σ/πq",
-        is_spectrum=True,
-    ),
-    "contact_spectrum": ObservableChart(
-        "Spectrum of the contact", "wavevector q", "C_c(q); of lines C_c/πq", is_spectrum=True
-    ),
-    "energy_spectrum": ObservableChart(
-        "Elastic energy by wavevector", "wavevector q", "energy per ring"
-    ),
-    "clusters": ObservableChart("Patches of contact", "points of a patch", "number of patches"),
-}
-
-
-def charted_observables() -> Mapping[str, ObservableChart]:
-    """Return title and axes of every observable that is drawn, by the name of its variable."""
-    return _CHARTS
+def charted_observables() -> Mapping[str, Observable]:
+    """Return every observable by the name of its variable, patches last."""
+    known = sorted(OBSERVABLES.values(), key=lambda one: one is clusters)
+    return {one.variable: one for one in known}
 
 
 def drawn_pressures(source: ReportSource) -> list[float]:
@@ -96,11 +65,11 @@ def observable_charts(
                 name.replace("_", "-"),
                 kind.title,
                 f"{kind.title} at single pressures, {source.name}",
-                kind.x_axis,
-                kind.y_axis,
+                kind.x.replace("$", ""),
+                kind.y.replace("$", ""),
                 series,
                 _ranges(series),
-                kind.is_log,
+                (kind.x_is_log, True),
             )
 
 
@@ -111,8 +80,8 @@ def _series(model: DrawnModel, name: str, pressure: float) -> Iterator[ChartSeri
     if there.size == 0:
         return
     x = np.asarray(result[f"{name}_bin"], float)
-    is_line = result.attributes.get("dimension") == 1
-    unit = math.pi * x if is_line and charted_observables()[name].is_spectrum else 1.0
+    dimension = int(result.attributes.get("dimension", 2))
+    unit = charted_observables()[name].drawn_unit(x, dimension)
 
     def values(kind: str) -> FloatArray:
         return np.asarray(result[f"{name}_{kind}"], float)[int(there[0])] / unit

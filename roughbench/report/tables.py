@@ -11,7 +11,6 @@ from roughbench.fits.tables import Cell, Table, departure_tables, law_tables
 from roughbench.report.numbers import measured, number, series
 from roughbench.report.sources import ReportSource
 from roughbench.report.text import RichText, Span, from_heading, joined, without_folders
-from roughbench.report.warnings import is_random
 from roughbench.results import ModelResult
 from roughbench.verdict import Case
 
@@ -87,7 +86,7 @@ def _counted(models: Sequence[ModelResult]) -> str:
     """Return a model's title and name, and how many surfaces of which size it looked at."""
     first = models[0]
     name = first.title if first.label == first.kind else f"{first.title} ({first.label})"
-    if not any(is_random(model) for model in models):
+    if not any(model.is_random for model in models):
         return name
     counts = series([model.n_realizations for model in models])
     points = [int(m.attributes["grid_points"]) for m in models if "grid_points" in m.attributes]

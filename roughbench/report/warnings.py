@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from roughbench.errors import SpecError
 from roughbench.models.base import Status
+from roughbench.notation import typeset
+from roughbench.quantities import compared
 from roughbench.report.curves import has_quantity
 from roughbench.report.numbers import number
 from roughbench.report.sources import ReportSource
@@ -23,7 +25,6 @@ FEWEST_CONTACT_POINTS = 100
 LARGE_CORRECTION = 0.2
 _POINTS_PER_WAVE = {"bem": 4.0, "line": 4.0}
 _NYQUIST = 2.0
-_QUANTITIES = {"area": "A/A₀", "separation": "ū", "stiffness": "K"}
 _ENDS = {
     Status.STAGNATED: "stagnated",
     Status.MAX_ITERATIONS: "ran out of iterations",
@@ -168,18 +169,20 @@ def _few_points(result: ModelResult) -> Iterator[tuple[str, str]]:
 
 
 def _scatter(result: ModelResult) -> Iterator[tuple[str, str]]:
-    if not is_random(result):
+    if not result.is_random:
         return
     many = result.n_realizations
     if many < FEWEST_REALIZATIONS:
         yield "Few realizations", f"{many} realization{'s' * (many > 1)}."
     parts = []
-    for quantity, symbol in _QUANTITIES.items():
-        if has_quantity(result, quantity):
-            share = _share(result[f"{quantity}_sem"], result[f"{quantity}_mean"])
+    for name, quantity in compared().items():
+        if has_quantity(result, name):
+            share = _share(result[f"{name}_sem"], result[f"{name}_mean"])
             if (large := share > LARGE_ERROR).any():
                 place = at_pressures(result["pressure"], large)
-                parts.append(f"{symbol} {place} (up to {100.0 * share.max():.0f} %)")
+                parts.append(
+                    f"{typeset(quantity.symbol)} {place} (up to {100.0 * share.max():.0f} %)"
+                )
     if parts:
         yield "Large standard errors", f"{'; '.join(parts)}."
 
@@ -189,11 +192,6 @@ def _medians(result: ModelResult) -> Iterator[tuple[str, str]]:
         infinite = np.isinf(result["stiffness_mean"])
         if infinite.any():
             yield "Full contact", f"{at_pressures(result['pressure'], infinite)}."
-
-
-def is_random(result: ModelResult) -> bool:
-    """Return whether a model looked at random heights, so that realizations differ."""
-    return "grid_points" in result.attributes and result.attributes["surface"] != "file"
 
 
 # -- one file ----------------------------------------------------------------------------
@@ -234,15 +232,15 @@ def _different_pressures(source: ReportSource) -> Iterator[Remark]:
 def _not_given(source: ReportSource) -> Iterator[Remark]:
     absent: dict[str, list[str]] = {}
     for label, models in source.by_label().items():
-        for quantity, symbol in _QUANTITIES.items():
-            if not any(has_quantity(model, quantity) for model in models):
-                absent.setdefault(label, []).append(symbol)
+        for name, quantity in compared().items():
+            if quantity.is_expected and not any(has_quantity(model, name) for model in models):
+                absent.setdefault(label, []).append(typeset(quantity.symbol))
     if absent:
         text = "; ".join(f"{', '.join(names)} by {label}" for label, names in absent.items())
         yield Remark("Quantities not given", source.name, f"{text}.")
 
 
 def _without_randomness(source: ReportSource) -> Iterator[Remark]:
-    labels = dict.fromkeys(r.label for _, r in source.models() if not is_random(r))
+    labels = dict.fromkeys(r.label for _, r in source.models() if not r.is_random)
     if labels:
         yield Remark("Models without randomness", source.name, f"{', '.join(labels)}.")

@@ -14,13 +14,16 @@ import hashlib
 import inspect
 import json
 import re
+import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import roughbench.models
 import roughbench.observables
 from roughbench.models.base import Model
+from roughbench.observables import OBSERVABLES, Observable
 from roughbench.planning.plan import Cell
+from roughbench.quantities import QUANTITIES
 from roughbench.rundir import source
 from roughbench.spec import SelfAffineSurface
 
@@ -68,8 +71,8 @@ def identity(cell: Cell, threads: int) -> Identity:
         values["threads"] = threads
     else:
         values["pressures"] = _in_words(cell)
-    if cell.asked.observables:
-        values["observables"] = f"{', '.join(cell.asked.observables)} ({observing_digest()})"
+    if asked := cell.asked.observables:
+        values["observables"] = f"{', '.join(asked)} ({observing_digest(asked)})"
     values["code"] = code_digest(type(model))
     return values
 
@@ -129,21 +132,44 @@ def code_digest(model: type[Model]) -> str:
 
 
 @functools.cache
-def observing_digest() -> str:
-    """Return a digest of what the source files compute that make the observables, 8 digits."""
+def observing_digest(names: Sequence[str] = ()) -> str:
+    """Return a digest of what the source files compute that make observables, 8 digits.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Observables; those of other packages count with the files that they come from.
+    """
     paths = sorted(Path(roughbench.observables.__file__).parent.glob("*.py"))
     paths.append(_PACKAGE / "engines" / "observing.py")
+    for name in names:
+        paths += [path for path in _files_of(OBSERVABLES[name]) if path not in paths]
     return _together([source.digest(path.read_text(encoding="utf-8")) for path in paths])[:8]
+
+
+def _files_of(observable: Observable) -> list[Path]:
+    """Return the file of an observable, or those of the package that it stands in."""
+    classes = [one for one in type(observable).__mro__ if one.__module__ != "builtins"]
+    files: list[Path] = []
+    for one in classes:
+        path = Path(inspect.getfile(one))
+        if not path.is_relative_to(_PACKAGE) and one.__module__ not in sys.stdlib_module_names:
+            inside = "." in one.__module__ or path.name == "__init__.py"
+            files += sorted(path.parent.glob("*.py")) if inside else [path]
+    return files
 
 
 @functools.cache
 def assembly_digest() -> str:
     """Return a digest of what the source files compute that make a results file of shards."""
-    names = ["ensemble", "results", "store", "variables", "spectrum"]
+    names = ["ensemble", "quantities", "results", "store", "variables", "spectrum"]
     names += ["runner/assemble", "rundir/collected", "planning/samples"]
     paths = [_PACKAGE / f"{name}.py" for name in names]
     texts = [path.read_text(encoding="utf-8") for path in paths]
-    return _together([*map(source.digest, texts), observing_digest()])
+    described = [repr(quantity) for quantity in QUANTITIES.values()]  # of other packages too
+    return _together(
+        [*map(source.digest, texts), *described, observing_digest((*OBSERVABLES,))]
+    )
 
 
 def _together(digests: Sequence[str]) -> str:

@@ -9,8 +9,9 @@ from roughbench.ensemble import STATISTICS, harmonic_mean, summarize
 from roughbench.models.base import Status
 from roughbench.planning.plan import Block, Cell
 from roughbench.planning.samples import describe
+from roughbench.quantities import QUANTITIES
 from roughbench.results import Array, ModelResult
-from roughbench.variables import AVERAGED, dimensions
+from roughbench.variables import dimensions
 
 
 def assemble(cell: Cell, block: Block) -> ModelResult:
@@ -34,13 +35,14 @@ def assemble(cell: Cell, block: Block) -> ModelResult:
     variables |= block
     converged = variables["status"] == Status.CONVERGED
     variables["n_converged"] = converged.sum(axis=0, dtype=np.int64)
-    for name in AVERAGED:
+    for name in QUANTITIES:
         if name in variables:
             summary = summarize(variables[name], converged)
             for statistic in STATISTICS:
                 variables[f"{name}_{statistic}"] = getattr(summary, statistic)
-    if "stiffness" in variables:
-        variables["stiffness_harmonic"] = harmonic_mean(variables["stiffness"], converged)
+    for name, quantity in QUANTITIES.items():
+        if quantity.has_harmonic_mean and name in variables:
+            variables[f"{name}_harmonic"] = harmonic_mean(variables[name], converged)
     variables |= observing.averages(cell, variables, converged)
     return ModelResult(
         label=cell.model.name,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import AfterValidator, BaseModel, Field
 from pydantic_core import PydanticCustomError
 
-from roughbench.observables import ObservableName
+from roughbench.observables import OBSERVABLES
 from roughbench.spec.pressures import PressureList
 from roughbench.spec.surfaces import STRICT
 
@@ -22,6 +22,11 @@ def _once(values: tuple[str | int, ...]) -> tuple[str | int, ...]:
             )
     return values
 
+
+if TYPE_CHECKING:
+    ObservableName = str
+else:
+    ObservableName = Literal[tuple(OBSERVABLES)]
 
 Observables = Annotated[tuple[ObservableName, ...], Field(min_length=1), AfterValidator(_once)]
 

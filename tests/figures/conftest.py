@@ -16,8 +16,8 @@ from roughbench.ensemble import summarize
 from roughbench.figures import FIGURES, available, render
 from roughbench.figures.style import publication_style
 from roughbench.observables import OBSERVABLES
+from roughbench.quantities import QUANTITIES
 from roughbench.results import ModelResult, Results
-from roughbench.variables import AVERAGED
 
 FloatArray = NDArray[np.float64]
 Make = Callable[..., ModelResult]
@@ -63,7 +63,7 @@ def make() -> Make:
         }
         states = np.zeros(shape, np.int32) if status is None else np.asarray(status, np.int32)
         variables: dict[str, Any] = {"pressure": pressure, "status": states, **values}
-        for name in AVERAGED:
+        for name in QUANTITIES:
             if name in values:
                 summary = summarize(values[name], states == 0)
                 for statistic in ("mean", "sem", "median", "q16", "q84"):

@@ -24,7 +24,7 @@ Draw = Callable[[Results, str], Figure]
 def test_a_curve_is_the_mean_with_its_standard_error(make: Make) -> None:
     result = make(n=3, height=0.25)
     for quantity, unit in (("area", 1.0), ("separation", 0.25), ("stiffness", 4.0)):
-        curve = curve_of(result, quantity)  # type: ignore[arg-type]
+        curve = curve_of(result, quantity)
         mean, sem = result[f"{quantity}_mean"], result[f"{quantity}_sem"]
         np.testing.assert_array_equal(curve.value, mean / unit)
         np.testing.assert_allclose(curve.lower, (mean - sem) / unit, rtol=1e-14)

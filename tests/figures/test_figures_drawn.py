@@ -21,10 +21,9 @@ from roughbench.figures import departures
 from roughbench.figures.curves import curve_of
 from roughbench.figures.looks import experiment_shades, lighter, looks
 from roughbench.figures.pressed import WINDOW, choose_window, press
-from roughbench.figures.separation import FLOOR
 from roughbench.figures.spectrum import RINGS_PER_DECADE, realized_spectrum
-from roughbench.figures.stiffness import CEILING
 from roughbench.figures.style import publication_style
+from roughbench.quantities import QUANTITIES
 from roughbench.results import ModelResult, Results
 from roughbench.spec import SelfAffineSurface, load_spec
 
@@ -32,6 +31,8 @@ Make = Callable[..., ModelResult]
 Collect = Callable[..., Results]
 Draw = Callable[[Results, str], Figure]
 FloatArray = NDArray[np.float64]
+FLOOR = QUANTITIES["separation"].lowest
+CEILING = QUANTITIES["stiffness"].highest
 
 
 def by_gid(figure: Figure, gid: str) -> list[Line2D]:

@@ -21,7 +21,6 @@ from roughbench.figures.observed import DECADES, MOST_PANELS, Line, panels
 from roughbench.figures.style import publication_style
 from roughbench.observables import OBSERVABLES
 from roughbench.results import Results
-from roughbench.variables import variable_of
 
 X = np.geomspace(1.0, 100.0, 5)
 LOOKS = {"A": Look("", (), "#000000", 1), "B": Look("", (3, 1), "#009E73", 1)}
@@ -169,7 +168,7 @@ def test_files_are_the_same_for_the_same_data(observed: Results, tmp_path: Path)
 
 
 def test_results_say_which_figures_they_allow(observed: Results, computed: Results) -> None:
-    own = [*(variable_of(name) for name in OBSERVABLES), "contact"]
+    own = [*(one.variable for one in OBSERVABLES.values()), "contact"]
     assert figures.available(observed)[-len(own) :] == own
     assert not set(figures.available(computed)) & set(own)
     with pytest.raises(StoreError, match="needs the observable clusters, which a spec asks"):

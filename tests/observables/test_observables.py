@@ -236,7 +236,7 @@ def test_pressures_of_the_exact_solver_beside_perssons() -> None:
 def test_an_exact_power_law_has_its_exponent() -> None:
     q = 10.0 ** (np.arange(1, 20) / 10)
     edges = 10.0 ** (np.arange(0.5, 20) / 10)
-    profiles = [Profile("x", "q", edges, q, a * q**-1.3) for a in (1.0, 2.0)]
+    profiles = [Profile("x", edges, q, a * q**-1.3) for a in (1.0, 2.0)]
     slope, error = exponent(profiles, 1.0, 100.0)
     assert slope == pytest.approx(-1.3, abs=1e-12)
     assert error < 1e-12

@@ -13,7 +13,7 @@ from matplotlib.image import imread
 
 from roughbench.figures.curves import curve_of
 from roughbench.report.charts import ReportChart
-from roughbench.report.curves import PRESSURE_CHARTS, pressure_charts
+from roughbench.report.curves import charted, pressure_charts
 from roughbench.report.maps import MOST_MAPS, MOST_POINTS, field_maps
 from roughbench.report.observables import (
     drawn_pressures,
@@ -44,7 +44,7 @@ def curves(chart: dict[str, Any], **meta: str) -> list[dict[str, Any]]:
 
 def test_every_quantity_has_a_chart_with_every_curve(small: Results) -> None:
     charts = charts_of(small)
-    assert list(charts) == [plot.key for plot in PRESSURE_CHARTS]
+    assert list(charts) == [plot.key for plot in charted()]
     for chart in charts.values():
         found = [(t["meta"]["experiment"], t["meta"]["model"]) for t in curves(chart)]
         assert found == [(e, m) for e in EXPERIMENTS for m in LABELS]

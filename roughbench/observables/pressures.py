@@ -1,4 +1,4 @@
-r"""How pressures and gaps are distributed over the surface.
+r"""How the contact pressure is distributed over the surface.
 
 Persson's distribution of the pressure, beside that of a state, is
 
@@ -13,71 +13,65 @@ vanishes at :math:`\sigma = 0`; on a grid the pressure of the exact solution doe
 from __future__ import annotations
 
 import math
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from roughbench.errors import SolverError
+from roughbench.observables.base import IN_CONTACT, Observable, Origin
 from roughbench.observables.fields import Field, FloatArray, Profile
+from roughbench.quantities import Variable
 
 PRESSURE_EDGES = np.linspace(0.0, 3.0, 121)
 """σ/(E*ξ). Persson's distribution has the width ½ in this unit."""
-GAP_EDGES = np.geomspace(1e-4, 10.0, 101)
-"""g/h_rms."""
 
 
-def pressure_pdf(state: Field) -> Profile:
-    """Return the distribution of the contact pressure over *all* points of the surface.
+class PressureDensity(Observable):
+    """The distribution of the contact pressure over *all* points of the surface.
 
-    Returns
-    -------
-    Profile
-        Over σ/(E*ξ), the density in this unit: its integral, with the share ``above`` the
-        last bin, is the contact area in points, ``contact``. ``nominal`` is p/(E*ξ).
+    Over σ/(E*ξ), the density in this unit: its integral, with the share ``above`` the
+    last bin, is the contact area in points, ``contact``. ``nominal`` is p/(E*ξ).
     """
-    sigma = state.pressure[state.contact] / state.rms_slope
-    counts, _ = np.histogram(sigma, PRESSURE_EDGES)
-    points = state.pressure.size
-    return Profile(
-        name="pressure_pdf",
-        axis="contact pressure / (E* ξ)",
-        edges=PRESSURE_EDGES,
-        places=(PRESSURE_EDGES[1:] + PRESSURE_EDGES[:-1]) / 2.0,
-        values=counts / points / np.diff(PRESSURE_EDGES),
-        scalars={
-            "contact": sigma.size / points,
-            "nominal": float(sigma.sum()) / points,
-            "above": float((sigma > PRESSURE_EDGES[-1]).sum()) / points,
-        },
-    )
+
+    name = "pressure_pdf"
+    title = "Distribution of the contact pressure"
+    x, y = "pressure $σ/(E*ξ)$", "density"
+    x_is_log = False
+    values = Variable("density of the contact pressure over all points, per E* ξ")
+    places = Variable("contact pressure / (E* ξ)")
+    scalars: ClassVar = {
+        "contact": IN_CONTACT,
+        "nominal": Variable("nominal pressure p/(E* ξ)"),
+        "above": Variable("share of points with a pressure above the bins"),
+    }
+
+    def compute(self, field: Field) -> Profile:
+        """Return it for one state."""
+        sigma = field.pressure[field.contact] / field.rms_slope
+        counts, _ = np.histogram(sigma, PRESSURE_EDGES)
+        points = field.pressure.size
+        return Profile(
+            self.name,
+            edges=PRESSURE_EDGES,
+            places=(PRESSURE_EDGES[1:] + PRESSURE_EDGES[:-1]) / 2.0,
+            values=counts / points / np.diff(PRESSURE_EDGES),
+            scalars={
+                "contact": sigma.size / points,
+                "nominal": float(sigma.sum()) / points,
+                "above": float((sigma > PRESSURE_EDGES[-1]).sum()) / points,
+            },
+        )
+
+    def theory(self, origin: Origin, places: FloatArray) -> FloatArray | None:  # noqa: ARG002
+        """Return Persson's distribution in the bins, of lines too."""
+        if origin.spectrum is None:
+            return None
+        slope = origin.spectrum.rms_slope
+        return np.stack([persson_pressure_shares(p, slope) for p in origin.pressures])
 
 
-def gap_pdf(state: Field) -> Profile:
-    """Return the distribution of the gap over the points out of contact.
-
-    Returns
-    -------
-    Profile
-        Over g/h_rms, the density in this unit among *all* points: its integral, with the
-        shares ``below`` and ``above`` the bins and in ``contact``, is one.
-        ``separation`` is ū/h_rms.
-    """
-    gap = state.gap[~state.contact] / state.rms_height
-    counts, _ = np.histogram(gap, GAP_EDGES)
-    points = state.pressure.size
-    return Profile(
-        name="gap_pdf",
-        axis="gap / h_rms",
-        edges=GAP_EDGES,
-        places=np.sqrt(GAP_EDGES[1:] * GAP_EDGES[:-1]),
-        values=counts / points / np.diff(GAP_EDGES),
-        scalars={
-            "contact": 1.0 - gap.size / points,
-            "separation": float(gap.sum()) / points,
-            "below": float((gap < GAP_EDGES[0]).sum()) / points,
-            "above": float((gap > GAP_EDGES[-1]).sum()) / points,
-        },
-    )
+pressure_pdf = PressureDensity()
 
 
 def persson_pressure_pdf(pressure: ArrayLike, nominal: float, rms_slope: float) -> FloatArray:

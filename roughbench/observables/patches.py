@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from roughbench.observables.base import Observable
 from roughbench.observables.fields import Field, FloatArray, Profile
+from roughbench.quantities import Variable
 
 _LARGEST = 40
 """Binary logarithm of the largest patch that has a bin, in points."""
@@ -80,34 +83,48 @@ def find_patches(contact: NDArray[np.bool_]) -> Patches:
     return Patches(result.astype(np.int64), points.astype(np.int64), sides.astype(np.int64))
 
 
-def clusters(state: Field) -> Profile:
-    """Return how many patches of each size there are.
+class Clusters(Observable):
+    """How many patches of contact of each size there are.
 
-    Returns
-    -------
-    Profile
-        Number of patches, by their size in points: 1, 2 to 3, 4 to 7, … Scalars:
-        ``number`` of patches, their ``mean_area`` and the ``largest_area`` as shares of
-        the nominal area, and the ``perimeter`` of all of them, length, along the sides of
-        the pixels (longer than a smooth edge by 4/π on average). On a line the perimeter
-        is the number of edges.
+    Number of patches, by their size in points: 1, 2 to 3, 4 to 7, … Single numbers: the
+    ``number`` of patches, their ``mean_area`` and the ``largest_area`` as shares of the
+    nominal area, and the ``perimeter`` of all of them, length, along the sides of the pixels
+    (longer than a smooth edge by 4/π on average). On a line the perimeter is the number of
+    edges.
     """
-    patches = find_patches(state.contact)
-    edges: FloatArray = np.exp2(np.arange(_LARGEST + 1, dtype=np.float64))
-    counts, _ = np.histogram(patches.points, edges)
-    total = state.pressure.size
-    number = patches.points.size
-    side = state.spacing if state.pressure.ndim == 2 else 1.0
-    return Profile(
-        name="clusters",
-        axis="size of a patch, points",
-        edges=edges,
-        places=edges[:-1],
-        values=counts.astype(float),
-        scalars={
-            "number": float(number),
-            "mean_area": float(patches.points.sum()) / total / max(number, 1),
-            "largest_area": float(patches.points.max(initial=0)) / total,
-            "perimeter": float(patches.edges.sum()) * side,
-        },
-    )
+
+    name = "clusters"
+    title = "Patches of contact"
+    x, y = "points of a patch", "number of patches"
+    values = Variable("number of patches of contact")
+    places = Variable("least size of a patch, points")
+    scalars: ClassVar = {
+        "number": Variable("number of patches of all sizes"),
+        "mean_area": Variable("mean area of a patch / A0"),
+        "largest_area": Variable("area of the largest patch / A0"),
+        "perimeter": Variable("perimeter of all patches", length=-1, per_dimension=1),
+    }
+
+    def compute(self, field: Field) -> Profile:
+        """Return it for one state."""
+        patches = find_patches(field.contact)
+        edges: FloatArray = np.exp2(np.arange(_LARGEST + 1, dtype=np.float64))
+        counts, _ = np.histogram(patches.points, edges)
+        total = field.pressure.size
+        number = patches.points.size
+        side = field.spacing if field.pressure.ndim == 2 else 1.0
+        return Profile(
+            self.name,
+            edges=edges,
+            places=edges[:-1],
+            values=counts.astype(float),
+            scalars={
+                "number": float(number),
+                "mean_area": float(patches.points.sum()) / total / max(number, 1),
+                "largest_area": float(patches.points.max(initial=0)) / total,
+                "perimeter": float(patches.edges.sum()) * side,
+            },
+        )
+
+
+clusters = Clusters()
