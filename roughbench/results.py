@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -40,6 +40,9 @@ class ModelResult:
         the model's parameters.
     variables : mapping of str to ndarray
         Arrays by name; also ``result["area_mean"]``.
+    described : mapping of str to (str, str)
+        Unit and description of variables that only their file knows: those of packages that
+        are not installed.
     """
 
     label: str
@@ -47,6 +50,7 @@ class ModelResult:
     title: str
     attributes: Mapping[str, Attribute]
     variables: Mapping[str, Array]
+    described: Mapping[str, tuple[str, str]] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> Array:
         if name not in self.variables:
@@ -87,11 +91,13 @@ class ModelResult:
 
     def units(self, name: str) -> str:
         """Return the unit of a variable; "length" is the spec's length unit, "1" is none."""
+        if name in self.described:
+            return self.described[name][0]
         return units_of(name, 1 if self.attributes.get("dimension") == 1 else 2)
 
     def long_name(self, name: str) -> str:
         """Return the description of a variable in words."""
-        return long_name_of(name)
+        return self.described[name][1] if name in self.described else long_name_of(name)
 
     def __repr__(self) -> str:
         many = f"{self.n_realizations} realization{'s' * (self.n_realizations != 1)}"

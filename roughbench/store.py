@@ -35,7 +35,7 @@ from roughbench.seal import check_seal, has_mark, seal_file
 from roughbench.signals import signals_held_back
 from roughbench.sink import Sink
 from roughbench.text import on_one_line, printable, unsafe_character
-from roughbench.variables import STORABLE, dimensions, fits
+from roughbench.variables import STORABLE, dimensions, fits, is_known
 
 __all__ = ["FORMAT_VERSION", "RESULTS", "ModelResult", "Results", "load", "write_results"]
 
@@ -278,8 +278,12 @@ def _write(results: Results, target: IO[bytes]) -> None:
     seal_file(target)
 
 
+def _axes(result: ModelResult, name: str) -> tuple[str, ...]:
+    return dimensions(name, result[name].ndim)
+
+
 def _version(result: ModelResult) -> int:
-    axes = {axis for name in result for axis in dimensions(name, result[name].ndim)}
+    axes = {axis for name in result for axis in _axes(result, name)}
     return 1 if axes <= {"realization", "pressure"} else FORMAT_VERSION
 
 
@@ -388,7 +392,7 @@ def _with_scales(result: ModelResult) -> dict[str, Array]:
     }
     if "field_status" in result:
         scales["field"] = np.arange(len(result["field_status"]), dtype=np.int64)
-    scales |= {name: result[name] for name in result if dimensions(name) == (name,)}
+    scales |= {name: result[name] for name in result if _axes(result, name) == (name,)}
     variables = scales | dict(result.variables)
     for name, values in variables.items():
         if values.dtype not in STORABLE:
@@ -489,6 +493,7 @@ def _read_model(group: h5py.Group, label: str, budget: _Budget) -> ModelResult:
         attributes[name] = on_one_line(value) if isinstance(value, str) else value
     kind, title = str(attributes.pop("kind")), str(attributes.pop("title"))
     variables: dict[str, h5py.Dataset] = {}
+    described: dict[str, tuple[str, str]] = {}
     for name, data in _members(group, h5py.Dataset, budget):
         if data.external or data.is_virtual:
             raise StoreError(
@@ -501,6 +506,9 @@ def _read_model(group: h5py.Group, label: str, budget: _Budget) -> ModelResult:
         # A chunk is read whole, and may be larger than the array.
         if math.prod(data.chunks or ()) * data.dtype.itemsize > max(data.nbytes, _LEAST_CHUNK):
             raise ValueError(f"{data.name} has chunks of {data.chunks} for {data.shape}")
+        if not is_known(name):
+            unit, words = (_attribute(data, key, budget) for key in ("units", "long_name"))
+            described[name] = on_one_line(str(unit)), on_one_line(str(words))
         variables[name] = data
     missing = [name for name in _REQUIRED if name not in variables]
     if missing:
@@ -508,7 +516,9 @@ def _read_model(group: h5py.Group, label: str, budget: _Budget) -> ModelResult:
     _check_shapes(variables, group.name)
     for index in ("realization", "field"):
         variables.pop(index, None)
-    return ModelResult(label, kind, title, attributes, _Stored(variables, budget.source))
+    return ModelResult(
+        label, kind, title, attributes, _Stored(variables, budget.source), described
+    )
 
 
 def _attribute(owner: h5py.Group, name: str, budget: _Budget) -> Attribute:

@@ -103,7 +103,7 @@ def _known() -> dict[str, tuple[Axes, Variable]]:
     return known
 
 
-def dimensions(name: str, n_axes: int = 3) -> Axes:
+def dimensions(name: str, n_axes: int | None = None) -> Axes:
     """Names of the dimensions of a variable.
 
     Everything that is not known to have others, such as a model's diagnostics, has a value
@@ -112,8 +112,9 @@ def dimensions(name: str, n_axes: int = 3) -> Axes:
     Parameters
     ----------
     name : str
-    n_axes : int
-        Of the array: tells the fields of lines (2) from those of surfaces.
+    n_axes : int, optional
+        Of the array: tells the fields of lines (2) from those of surfaces, and what an
+        observable of a package that is not installed has left in a file.
 
     Examples
     --------
@@ -121,9 +122,23 @@ def dimensions(name: str, n_axes: int = 3) -> Axes:
     (('realization', 'pressure'), ('pressure',), ('realization',))
     >>> dimensions("clusters"), dimensions("field_gap"), dimensions("field_gap", 2)
     (('realization', 'pressure', 'clusters_bin'), ('field', 'y', 'x'), ('field', 'x'))
+    >>> dimensions("unknown", 3), dimensions("unknown_sem", 2), dimensions("unknown_bin", 1)
+    (('realization', 'pressure', 'unknown_bin'), ('pressure', 'unknown_bin'), ('unknown_bin',))
     """
-    axes, _ = _known().get(name, (STATES, None))
-    return ("field", "x") if axes == _AT_POINTS and n_axes == 2 else axes
+    if is_known(name):
+        axes, _ = _known()[name]
+        return ("field", "x") if axes == _AT_POINTS and n_axes == 2 else axes
+    base, _, suffix = name.rpartition("_")
+    if n_axes == 1:
+        return (name,) if suffix in ("bin", "edges") else ("pressure",)
+    if n_axes == 2 and suffix in ("mean", "sem", "persson"):
+        return ("pressure", f"{base}_bin")
+    return (*STATES, f"{name}_bin") if n_axes == 3 else STATES
+
+
+def is_known(name: str) -> bool:
+    """Return whether a variable is described here: a diagnostic of a model is not."""
+    return name in _known()
 
 
 def fits(

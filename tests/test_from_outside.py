@@ -14,14 +14,18 @@ from collections.abc import Callable
 from importlib.metadata import EntryPoint
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import roughbench
 from roughbench import registry
+from roughbench.cli.tables import states_csv, summary_csv
 from roughbench.errors import RoughbenchError
 from roughbench.observables import OBSERVABLES
+from roughbench.quantities import QUANTITIES
 from roughbench.registry import Registry
 from roughbench.rundir import identity
+from roughbench.store import load, write_results
 
 ROOT = Path(roughbench.__file__).parents[1]
 PAGE = (ROOT / "docs" / "adding-an-observable.md").read_text(encoding="utf-8")
@@ -165,6 +169,25 @@ def test_a_report_shows_both(folder: Path, command: Command) -> None:
     page = (folder / "report.html").read_text(encoding="utf-8")
     for title in ("Work of the load", "Histogram of the gap"):
         assert title in page
+
+
+def test_a_file_needs_no_package(folder: Path, command: Command) -> None:
+    """What the package described is read from the file, and written again."""
+    command("show", "outside.h5")
+    results = load(folder / "outside.h5")
+    model, springs = results["main"]["working"], results["main"]["winkler"]
+    assert "work" not in QUANTITIES
+    assert model.units("work_mean") == "length"
+    assert model.long_name("work") == "work of the load W/(A0 E*)"
+    assert springs["gap_histogram"].shape == (2, 3, 40)
+    assert springs.units("gap_histogram_average") == "length"
+    again = load(write_results(results, folder / "again.h5"))["main"]["winkler"]
+    assert list(again) == list(springs)
+    for name in springs:
+        np.testing.assert_array_equal(again[name], springs[name])
+        assert again.units(name) == springs.units(name)
+    assert "work_mean [length]" in summary_csv(model)
+    assert "gap_histogram" not in states_csv(springs).partition("\n")[0].split(",")
 
 
 # -- what is refused -----------------------------------------------------------------------

@@ -17,7 +17,7 @@ from roughbench.observables import OBSERVABLES
 from roughbench.outputs import Kind
 from roughbench.quantities import PRESSURE, Quantity, compared
 from roughbench.results import Array, Attribute, ModelResult, Results
-from roughbench.variables import dimensions
+from roughbench.variables import STATES, dimensions
 
 _OF_SURFACE = (
     "surface",
@@ -176,7 +176,7 @@ def summary_csv(result: ModelResult) -> str:
     The header names each variable with its unit in brackets: "1" is none, "length" the
     spec's length unit.
     """
-    names = [name for name in result if dimensions(name) == ("pressure",)]
+    names = [name for name in result if dimensions(name, result[name].ndim) == ("pressure",)]
     return _csv(result, {name: result[name] for name in names})
 
 
@@ -187,7 +187,7 @@ def states_csv(result: ModelResult) -> str:
         "realization": np.repeat(np.arange(n_realizations), n_pressures),
         "pressure": np.tile(result["pressure"], n_realizations),
     }
-    of_states = [name for name in result if dimensions(name) == ("realization", "pressure")]
+    of_states = [name for name in result if dimensions(name, result[name].ndim) == STATES]
     columns |= {name: result[name].ravel() for name in of_states}
     return _csv(result, columns)
 
