@@ -506,7 +506,7 @@ def _read_model(group: h5py.Group, label: str, budget: _Budget) -> ModelResult:
         # A chunk is read whole, and may be larger than the array.
         if math.prod(data.chunks or ()) * data.dtype.itemsize > max(data.nbytes, _LEAST_CHUNK):
             raise ValueError(f"{data.name} has chunks of {data.chunks} for {data.shape}")
-        if not is_known(name):
+        if not is_known(name) and {"units", "long_name"} <= set(data.attrs):
             unit, words = (_attribute(data, key, budget) for key in ("units", "long_name"))
             described[name] = on_one_line(str(unit)), on_one_line(str(words))
         variables[name] = data
