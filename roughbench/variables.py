@@ -180,7 +180,7 @@ def units_of(name: str, dimension: int = 2) -> str:
 
 
 def quantity_of(name: str) -> str | None:
-    """Return which of :data:`AVERAGED` a variable is, or is an average of.
+    """Return which of the quantities a variable is, or is an average of.
 
     Examples
     --------
