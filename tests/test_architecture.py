@@ -16,6 +16,7 @@ LAYERS = (
     "text",
     "program",
     "errors",
+    "public",
     "locks",
     "memory",
     "inputs",

@@ -201,7 +201,8 @@ def is_random(result: ModelResult) -> bool:
 
 def _missing_parts(source: ReportSource) -> Iterator[Remark]:
     try:
-        experiments = parse_spec(source.results.spec_text).experiments()
+        spec = parse_spec(source.results.spec_text, outside=source.results.outside_kinds)
+        experiments = spec.experiments()
     except SpecError:
         text = "the spec in the file cannot be read, so nothing tells what is missing."
         yield Remark("Missing parts", source.name, text)
