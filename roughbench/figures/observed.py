@@ -23,8 +23,9 @@ from roughbench.figures.labels import (
     titles,
     unconverged_remarks,
 )
-from roughbench.figures.looks import PERSSON, Look, looks
 from roughbench.figures.style import footnote, legend_above, letter, new_figure
+from roughbench.figures.styles import CurveStyle, curve_style, curve_styles
+from roughbench.models.persson import Persson
 from roughbench.observables import ObservableName
 from roughbench.results import ModelResult, Results
 from roughbench.variables import variable_of
@@ -36,6 +37,8 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
+THEORY = curve_style(Persson.style)
+"""Of Persson's theory for the fields of a model."""
 MOST_PANELS = 4
 """Pressures of a single experiment; of several, two each are drawn."""
 DECADES = 1e-7
@@ -60,7 +63,7 @@ class Line:
     title : str
     x, y, error : ndarray of float64, shape (K,)
         What a logarithmic axis cannot show is left out.
-    look : Look
+    look : CurveStyle
         Of the contender; its marker is not drawn.
     is_theory : bool
         Drawn thin, without a band.
@@ -70,7 +73,7 @@ class Line:
     x: FloatArray
     y: FloatArray
     error: FloatArray
-    look: Look
+    look: CurveStyle
     is_theory: bool = False
 
 
@@ -103,7 +106,7 @@ class Observed:
 
     def _panels(self, results: Results) -> Iterator[tuple[str, list[Line]]]:
         """Yield what is written over a panel, and its lines."""
-        labels, styles = experiment_labels(results), looks(results)
+        labels, styles = experiment_labels(results), curve_styles(results.models())
         most = MOST_PANELS if len(results) == 1 else 2
         for experiment, models in results.items():
             names = titles(models)
@@ -120,7 +123,7 @@ class Observed:
                 yield ", ".join(words), self._lines(own, styles, int(k))
 
     def _lines(
-        self, models: Mapping[str, ModelResult], styles: Mapping[str, Look], k: int
+        self, models: Mapping[str, ModelResult], styles: Mapping[str, CurveStyle], k: int
     ) -> list[Line]:
         name = variable_of(self.observable)
         lines: list[Line] = []
@@ -134,7 +137,7 @@ class Observed:
             if f"{name}_persson" in result and not theory:
                 values, none = result[f"{name}_persson"][k], np.full(x.shape, math.nan)
                 title = self._theory(result)
-                theory.append(Line(title, x, values, none, PERSSON, is_theory=True))
+                theory.append(Line(title, x, values, none, THEORY, is_theory=True))
         return lines + theory
 
     def _theory(self, result: ModelResult) -> str:

@@ -10,8 +10,8 @@ import numpy as np
 
 from roughbench.figures.curves import Curve, Quantity, curve_of, full_contact_pressure
 from roughbench.figures.labels import PRESSURE, experiment_labels, model_names
-from roughbench.figures.looks import Look, experiment_shades, lighter, looks
 from roughbench.figures.style import SMALL
+from roughbench.figures.styles import CurveStyle, curve_styles, experiment_shades, lighter
 from roughbench.results import Results
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def draw_panel(
     axes.set_xscale("log")
     axes.set_yscale("linear" if is_inset else "log")
     shades = experiment_shades(experiments)
-    styles = looks(results)
+    styles = curve_styles(results.models())
     for number, experiment in enumerate(experiments):
         turn = number / len(experiments)
         for label, result in results[experiment].items():
@@ -109,7 +109,7 @@ def limit_to_curves(
 
 
 def _draw_curve(
-    axes: Axes, curve: Curve, look: Look, colour: str, *, name: str, turn: float = 0.0
+    axes: Axes, curve: Curve, look: CurveStyle, colour: str, *, name: str, turn: float = 0.0
 ) -> None:
     """Draw one contender; what a logarithmic axis cannot show (0, inf, nan) is left out.
 
@@ -117,7 +117,7 @@ def _draw_curve(
     ----------
     axes : Axes
     curve : Curve
-    look : Look
+    look : CurveStyle
     colour : str
     name : str
         ``gid`` of the line, so that it is found again among the artists.
@@ -162,7 +162,7 @@ def _draw_curve(
     line.set_gid(name)
 
 
-def _draw_thin(axes: Axes, curve: Curve, look: Look, colour: str, *, turn: float) -> None:
+def _draw_thin(axes: Axes, curve: Curve, look: CurveStyle, colour: str, *, turn: float) -> None:
     """Draw one contender in an inset."""
     axes.plot(
         curve.pressure,
@@ -179,7 +179,7 @@ def _draw_thin(axes: Axes, curve: Curve, look: Look, colour: str, *, turn: float
 
 
 def _mark_full_contact(
-    axes: Axes, curve: Curve, look: Look, colour: str, quantity: Quantity
+    axes: Axes, curve: Curve, look: CurveStyle, colour: str, quantity: Quantity
 ) -> None:
     pressure = full_contact_pressure(curve)
     if pressure is None or quantity not in _FULL_CONTACT:
@@ -226,7 +226,7 @@ def legend_handles(
     """
     from matplotlib.lines import Line2D
 
-    styles = looks(results)
+    styles = curve_styles(results.models())
     handles: list[Artist] = []
     shown = {
         label for name in experiments for label, one in results[name].items() if quantity in one

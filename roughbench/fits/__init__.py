@@ -49,6 +49,7 @@ from roughbench.fits.resampling import (
     resampled_means,
 )
 from roughbench.fits.tables import PERCENTS, QUANTITIES
+from roughbench.models.registry import is_reference
 from roughbench.results import ModelResult, Results
 
 __all__ = [
@@ -97,7 +98,7 @@ def reference_of(models: dict[str, ModelResult], reference: str | None = None) -
                 f"no model is named {reference!r}; choose one of {', '.join(models)}"
             )
         return reference
-    return next((label for label, result in models.items() if result.kind == "bem"), None)
+    return next((label for label, result in models.items() if is_reference(result.kind)), None)
 
 
 def fit(

@@ -82,7 +82,7 @@ _packages: dict[str, SourceFiles] = {}
 _origins: dict[type, Origin] = {}
 
 
-def is_reference(kind: str) -> bool:
+def names_file(kind: str) -> bool:
     """Whether a kind names a file: ``mytheory.py:Erf09``, or the same without a class."""
     return _reference(kind) is not None
 

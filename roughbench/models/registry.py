@@ -19,7 +19,7 @@ from typing import ClassVar, get_args
 
 from roughbench.errors import ModelError
 from roughbench.models.base import Curve, FloatArray, Model, Needs, Sample
-from roughbench.models.files import is_reference, load_reference, origin_of
+from roughbench.models.files import load_reference, names_file, origin_of
 from roughbench.text import on_one_line
 
 GROUP = "roughbench.models"
@@ -170,6 +170,18 @@ def declared(kind: str) -> type[Model] | None:
         return None
 
 
+def is_theory(kind: str) -> bool:
+    """Whether models of a kind never look at heights, but at the spectrum alone."""
+    model = declared(kind)
+    return model is not None and inspect.getattr_static(model, "needs") == "spectrum"
+
+
+def is_reference(kind: str) -> bool:
+    """Whether others are compared with models of a kind, the exact solution."""
+    model = declared(kind)
+    return model is not None and model.is_reference
+
+
 class Unavailable(Model, extra="allow"):
     """Stands for a model that is not here, where only what the spec says counts."""
 
@@ -211,9 +223,9 @@ class Catalog:
         KeyError
             If there is no such kind.
         """
-        if self.outside is not None and (is_reference(kind) or declared(kind) is None):
+        if self.outside is not None and (names_file(kind) or declared(kind) is None):
             return Unavailable
-        if not is_reference(kind):
+        if not names_file(kind):
             return load(kind)
         model = checked(load_reference(kind, self.folder), Path(kind).name)
         if kind_of(model) in BUILT_IN:
@@ -225,7 +237,7 @@ class Catalog:
 
     def own_kind(self, kind: str) -> str:
         """Return the kind of the model itself, by which it is called: ``erf09``."""
-        if not is_reference(kind):
+        if not names_file(kind):
             return kind
         if self.outside is not None:
             return self.outside.get(kind, kind)

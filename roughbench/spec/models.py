@@ -10,7 +10,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from roughbench.errors import ModelError
 from roughbench.models.base import Model
-from roughbench.models.files import is_reference
+from roughbench.models.files import names_file
 from roughbench.models.registry import Catalog, kind_of, kinds
 from roughbench.spec.tree import did_you_mean, show
 
@@ -39,7 +39,7 @@ def _validated(value: object, info: ValidationInfo) -> Model:
         raise _fault("child", f"unknown kind {show(kind)}{hint}") from None
     except ModelError as error:
         raise _fault("child", str(error)) from None
-    if not is_reference(kind):
+    if not names_file(kind):
         return model.model_validate(value, context=info.context)
     own = catalog.own_kind(kind)
     made = model.model_validate({**value, "kind": own}, context=info.context)
