@@ -162,7 +162,7 @@ def kinds_in(name: str, text: str) -> Iterator[str]:
     for node in ast.walk(ast.parse(text)):
         word = node.value if isinstance(node, ast.Constant) else None
         if isinstance(word, str) and word in BUILT_IN and (name, word) not in KINDS_ELSEWHERE:
-            yield f"{name}:{node.lineno}: names the kind {word!r}"
+            yield f"{name}: names the kind {word!r}"
 
 
 def test_no_kind_is_special_outside_of_models() -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-THEORY = curve_style(Persson.style)
+THEORY = replace(curve_style(Persson.style), order=1)
 """Of Persson's theory for the fields of a model."""
 MOST_PANELS = 4
 """Pressures of a single experiment; of several, two each are drawn."""

@@ -375,7 +375,7 @@ class Persson(Model):
 
     needs: ClassVar[Needs] = "spectrum"
     title: ClassVar[str] = "Persson"
-    style: ClassVar[Style] = Style("#D55E00", ((3, 3), (1.5, 1.5), (6, 3)), order=1)
+    style: ClassVar[Style] = Style("#D55E00", ((3, 3), (1.5, 1.5), (6, 3)))
     page: ClassVar[str] = "docs/models/persson.md"
     iterative: ClassVar[bool] = False
 
