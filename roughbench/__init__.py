@@ -55,16 +55,19 @@ from typing import TYPE_CHECKING
 
 from roughbench.errors import (
     Fault,
+    ModelError,
     RoughbenchError,
     SolverError,
     SpecError,
     StoreError,
     SurfaceError,
 )
+from roughbench.public import LAZY
 
 if TYPE_CHECKING:
-    from roughbench.models.base import Curve, Model, State, Status
+    from roughbench.models.base import Curve, Model, Sample, State, Status
     from roughbench.models.halfspace.contact import solve_contact, solve_curve
+    from roughbench.models.style import Style
     from roughbench.results import ModelResult, Results
     from roughbench.runner import Progress, run
     from roughbench.spec import Spec, load_spec
@@ -76,16 +79,19 @@ __all__ = [
     "Curve",
     "Fault",
     "Model",
+    "ModelError",
     "ModelResult",
     "Progress",
     "Results",
     "RoughbenchError",
+    "Sample",
     "SolverError",
     "Spec",
     "SpecError",
     "State",
     "Status",
     "StoreError",
+    "Style",
     "SurfaceError",
     "__version__",
     "load",
@@ -95,30 +101,13 @@ __all__ = [
     "solve_curve",
 ]
 
-# Imported on first use, so that `roughbench --help` answers without NumPy.
-_LAZY = {
-    "Curve": "roughbench.models.base",
-    "Model": "roughbench.models.base",
-    "ModelResult": "roughbench.results",
-    "Progress": "roughbench.runner",
-    "Results": "roughbench.results",
-    "Spec": "roughbench.spec",
-    "State": "roughbench.models.base",
-    "Status": "roughbench.models.base",
-    "load": "roughbench.store",
-    "load_spec": "roughbench.spec",
-    "run": "roughbench.runner",
-    "solve_contact": "roughbench.models.halfspace.contact",
-    "solve_curve": "roughbench.models.halfspace.contact",
-}
-
 
 def __getattr__(name: str) -> object:
     if name == "__version__":
         return _version()
-    if name not in _LAZY:
+    if name not in LAZY:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(importlib.import_module(_LAZY[name]), name)
+    return getattr(importlib.import_module(LAZY[name]), name)
 
 
 def __dir__() -> list[str]:

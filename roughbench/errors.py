@@ -19,6 +19,10 @@ class SolverError(RoughbenchError):
     """Input that a contact model cannot solve."""
 
 
+class ModelError(RoughbenchError):
+    """A contender from outside that cannot be found, loaded or used."""
+
+
 class StoreError(RoughbenchError):
     """A results file that cannot be written, or read as one."""
 

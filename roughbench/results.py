@@ -198,6 +198,16 @@ class Results(Mapping[str, Mapping[str, ModelResult]]):
             for result in models.values():
                 yield experiment, result
 
+    @property
+    def outside_kinds(self) -> dict[str, str]:
+        """Kind of each model from outside, by what the spec may call it."""
+        models = [result for _, result in self.models()]
+        return {
+            str(result.attributes["source"]): result.kind
+            for result in models
+            if "source" in result.attributes
+        }
+
     def __repr__(self) -> str:
         lines = [self._head()]
         for name, models in list(self.experiments.items())[:MOST_LINES]:

@@ -16,7 +16,6 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullLocator
 
 import roughbench as rb
-from roughbench.figures.looks import lighter, model_colours
 from roughbench.figures.style import (
     COLOURS,
     GUIDE,
@@ -26,7 +25,9 @@ from roughbench.figures.style import (
     publication_style,
     save,
 )
+from roughbench.figures.styles import lighter, styles_of
 from roughbench.fits import Estimate, factors, fit
+from roughbench.models import MODELS
 from roughbench.results import ModelResult, Results
 from roughbench.spectrum import self_affine
 
@@ -40,7 +41,9 @@ WORDS = {
     "gw_elliptic": ("elliptic summits", ":"),
     "hertz_top": ("highest asperity", (0, (2.5, 1))),
 }
-MODEL_COLOURS = model_colours({key: key.partition("-")[0] for key in WORDS})
+KINDS = {key: key.partition("-")[0] for key in WORDS}
+STYLES = styles_of({key: (kind, MODELS[kind].style) for key, kind in KINDS.items()})
+MODEL_COLOURS = {key: style.colour for key, style in STYLES.items()}
 QUANTITIES = {
     "area": (r"$A/A_\mathrm{exact}$", 0),
     "separation": (r"$\bar u/\bar u_\mathrm{exact}$", 1),

@@ -11,11 +11,13 @@ from pathlib import Path
 import pytest
 
 import roughbench
+from roughbench.models import BUILT_IN
 
 LAYERS = (
     "text",
     "program",
     "errors",
+    "public",
     "notation",
     "registry",
     "quantities",
@@ -142,6 +144,41 @@ def test_imports_follow_the_way_of_the_data(name: str, text: str) -> None:
 )
 def test_a_fault_would_be_found(name: str, text: str, fault: str) -> None:
     assert [fault in found for found in faults(name, text)] == [True]
+
+
+KINDS_ELSEWHERE = {
+    ("figures.__init__", "foundation"): "the name of a figure, the paper's first",
+    ("figures.agreement", "foundation"): "the paper's Fig. 4 compares these two",
+    ("figures.agreement", "persson"): "the paper's Fig. 4 compares these two",
+    ("figures.pressed", "foundation"): "the paper's Fig. 1 is of this one",
+    ("figures.spectrum", "line"): "what a model needs",
+    ("report.tables", "line"): "a word",
+    ("cli.tables", "persson"): "the end of a variable's name",
+}
+"""Words that are also kinds of models, and why they stand where they do."""
+
+
+def kinds_in(name: str, text: str) -> Iterator[str]:
+    """Yield the kinds of built-in models that a module outside of models names."""
+    if name.partition(".")[0] in ("models", "verdict"):  # verdicts are on the paper's models
+        return
+    for node in ast.walk(ast.parse(text)):
+        word = node.value if isinstance(node, ast.Constant) else None
+        if isinstance(word, str) and word in BUILT_IN and (name, word) not in KINDS_ELSEWHERE:
+            yield f"{name}: names the kind {word!r}"
+
+
+def test_no_kind_is_special_outside_of_models() -> None:
+    assert [fault for module in modules(ROOT) for fault in kinds_in(*module)] == []
+
+
+@pytest.mark.parametrize(
+    ("name", "found"),
+    [("report.new", 1), ("figures.agreement", 0), ("models.new", 0), ("verdict.new", 0)],
+)
+def test_a_kind_would_be_found(name: str, found: int) -> None:
+    text = '"""Of bem."""\nif model.kind == "persson":\n    special = True\n'
+    assert len([*kinds_in(name, text)]) == found
 
 
 def test_nothing_is_parsed_twice_or_missed() -> None:

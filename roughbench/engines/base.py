@@ -11,6 +11,7 @@ from typing import Protocol
 from roughbench.engines.compute import compute
 from roughbench.errors import RoughbenchError
 from roughbench.models.compilation import compiling_told
+from roughbench.models.files import blamed
 from roughbench.planning.plan import Block, Task
 from roughbench.rundir.checkpoint import Checkpoint
 from roughbench.rundir.usage import Meter, Usage
@@ -66,4 +67,5 @@ def carry_out(
         with compiling_told(compiling):
             return Outcome(compute(task, advanced, checkpoint), meter.read())
     except Exception as error:  # noqa: BLE001, RUF100  (whatever it is, it is this task's end)
-        return Outcome(error=error, trace="".join(traceback.format_exception(error)))
+        trace = "".join(traceback.format_exception(error))
+        return Outcome(error=blamed(task.cell.model, error, str(task)), trace=trace)

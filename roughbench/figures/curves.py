@@ -8,12 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from roughbench.figures.styles import style_of
 from roughbench.quantities import QUANTITIES
 from roughbench.results import ModelResult, Results
 
 FloatArray = NDArray[np.float64]
-POINTS = ("bem",)
-"""Kinds drawn as points; all others are lines."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +67,7 @@ def curve_of(result: ModelResult, name: str) -> Curve:
 
     mean, error = column("mean"), column("sem")
     is_median = np.isinf(mean) & (result.n_realizations > 1)
-    if result.kind not in POINTS:
+    if not style_of(result).markers:
         is_median[:] = is_median.any()
     error = np.where(np.isfinite(mean), error, np.nan)
     return Curve(

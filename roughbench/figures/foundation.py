@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from roughbench.figures.labels import MODULUS, experiment_labels, height_remark, number_text
-from roughbench.figures.looks import FOUNDATION
 from roughbench.figures.pressed import (
     FloatArray,
     Pressed,
@@ -28,6 +27,7 @@ from roughbench.figures.pressed import (
 )
 from roughbench.figures.rebuild import spec_fault
 from roughbench.figures.style import BACKGROUND, SMALL, footnote, letter, new_figure
+from roughbench.models.foundation import Foundation
 from roughbench.results import Results
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _PUNCH, _PUNCH_EDGE = "0.85", "0.2"
-_FREE, _COMPRESSED = "0.45", FOUNDATION.colour
+_FREE, _COMPRESSED = "0.45", Foundation.style.colour
 _WINDOW = "0.0"
 
 

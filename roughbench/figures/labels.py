@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from roughbench.figures.curves import curve_of
+from roughbench.models.registry import declared, is_theory
 from roughbench.results import ModelResult, Results
 
 MODULUS = r"E\!^*"
@@ -144,18 +145,12 @@ def _counts(models: Sequence[ModelResult]) -> list[str]:
 def _is_theory(model: ModelResult) -> bool:
     """Return whether the model looked at no heights, but at the spectrum alone."""
     has_heights = "grid_points" in model.attributes or model.attributes["surface"] == "file"
-    return model.kind == "persson" or not (has_heights or model.n_realizations > 1)
+    return is_theory(model.kind) or not (has_heights or model.n_realizations > 1)
 
 
 def _parameters(model: ModelResult, quantity: str) -> list[str]:
-    remarks = []
-    if "gamma" in model.attributes:
-        remarks.append(rf"$\gamma = {model.attributes['gamma']:g}$")
-    if quantity == "area" and "area_gamma" in model.attributes:
-        remarks = [rf"$\gamma_A = {model.attributes['area_gamma']:g}$"]
-    if quantity == "stiffness" and model.attributes.get("finite_size", "none") != "none":
-        remarks.append("finite size")
-    return remarks
+    known = declared(model.kind)
+    return [*known.legend(model.attributes, quantity)] if known else []
 
 
 def unconverged_remarks(results: Results) -> list[str]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,8 +23,9 @@ from roughbench.figures.labels import (
     titles,
     unconverged_remarks,
 )
-from roughbench.figures.looks import PERSSON, Look, looks
 from roughbench.figures.style import footnote, legend_above, letter, new_figure
+from roughbench.figures.styles import CurveStyle, curve_style, curve_styles
+from roughbench.models.persson import Persson
 from roughbench.notation import mathtext
 from roughbench.observables import Observable
 from roughbench.results import ModelResult, Results
@@ -36,6 +37,8 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
+THEORY = replace(curve_style(Persson.style), order=1)
+"""Of Persson's theory for the fields of a model."""
 MOST_PANELS = 4
 """Pressures of a single experiment; of several, two each are drawn."""
 DECADES = 1e-7
@@ -51,7 +54,7 @@ class Line:
     title : str
     x, y, error : ndarray of float64, shape (K,)
         What a logarithmic axis cannot show is left out.
-    look : Look
+    look : CurveStyle
         Of the contender; its marker is not drawn.
     is_theory : bool
         Drawn thin, without a band.
@@ -61,7 +64,7 @@ class Line:
     x: FloatArray
     y: FloatArray
     error: FloatArray
-    look: Look
+    look: CurveStyle
     is_theory: bool = False
 
 
@@ -94,7 +97,7 @@ class ObservableFigure:
 
     def _panels(self, results: Results) -> Iterator[tuple[str, list[Line]]]:
         """Yield what is written over a panel, and its lines."""
-        labels, styles = experiment_labels(results), looks(results)
+        labels, styles = experiment_labels(results), curve_styles(results.models())
         most = MOST_PANELS if len(results) == 1 else 2
         for experiment, models in results.items():
             names = titles(models)
@@ -111,7 +114,7 @@ class ObservableFigure:
                 yield ", ".join(words), self._lines(own, styles, int(k))
 
     def _lines(
-        self, models: Mapping[str, ModelResult], styles: Mapping[str, Look], k: int
+        self, models: Mapping[str, ModelResult], styles: Mapping[str, CurveStyle], k: int
     ) -> list[Line]:
         name = self.observable.variable
         lines: list[Line] = []
@@ -124,7 +127,7 @@ class ObservableFigure:
             if f"{name}_persson" in result and not theory:
                 values, none = result[f"{name}_persson"][k], np.full(x.shape, math.nan)
                 title = self.observable.theory_title(result.attributes)
-                theory.append(Line(title, x, values, none, PERSSON, is_theory=True))
+                theory.append(Line(title, x, values, none, THEORY, is_theory=True))
         return lines + theory
 
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from roughbench.figures.curves import Curve, curves_of, full_contact_pressure
 from roughbench.figures.labels import experiment_labels, model_names
-from roughbench.figures.looks import Look, experiment_shades, lighter, looks
 from roughbench.figures.style import SMALL
+from roughbench.figures.styles import CurveStyle, curve_styles, experiment_shades, lighter
 from roughbench.notation import mathtext
 from roughbench.quantities import PRESSURE, QUANTITIES
 from roughbench.results import Results
@@ -47,7 +47,7 @@ def draw_panel(
     axes.set_xscale("log")
     axes.set_yscale("linear" if is_inset else "log")
     shades = experiment_shades(experiments)
-    styles = looks(results)
+    styles = curve_styles(results.models())
     for number, experiment in enumerate(experiments):
         turn = number / len(experiments)
         for _, result, curve in curves_of(results, quantity, [experiment]):
@@ -96,7 +96,7 @@ def limit_to_curves(axes: Axes, results: Results, quantity: str) -> None:
 
 
 def _draw_curve(
-    axes: Axes, curve: Curve, look: Look, colour: str, *, name: str, turn: float = 0.0
+    axes: Axes, curve: Curve, look: CurveStyle, colour: str, *, name: str, turn: float = 0.0
 ) -> None:
     """Draw one contender; what a logarithmic axis cannot show (0, inf, nan) is left out.
 
@@ -104,7 +104,7 @@ def _draw_curve(
     ----------
     axes : Axes
     curve : Curve
-    look : Look
+    look : CurveStyle
     colour : str
     name : str
         ``gid`` of the line, so that it is found again among the artists.
@@ -149,7 +149,7 @@ def _draw_curve(
     line.set_gid(name)
 
 
-def _draw_thin(axes: Axes, curve: Curve, look: Look, colour: str, *, turn: float) -> None:
+def _draw_thin(axes: Axes, curve: Curve, look: CurveStyle, colour: str, *, turn: float) -> None:
     """Draw one contender in an inset."""
     axes.plot(
         curve.pressure,
@@ -166,7 +166,7 @@ def _draw_thin(axes: Axes, curve: Curve, look: Look, colour: str, *, turn: float
 
 
 def _mark_full_contact(
-    axes: Axes, curve: Curve, look: Look, colour: str, quantity: str
+    axes: Axes, curve: Curve, look: CurveStyle, colour: str, quantity: str
 ) -> None:
     pressure, full = full_contact_pressure(curve), QUANTITIES[quantity].at_full_contact
     if pressure is None or full is None:
@@ -213,7 +213,7 @@ def legend_handles(
     """
     from matplotlib.lines import Line2D
 
-    styles = looks(results)
+    styles = curve_styles(results.models())
     handles: list[Artist] = []
     shown = {
         label for name in experiments for label, one in results[name].items() if quantity in one

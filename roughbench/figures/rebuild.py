@@ -12,7 +12,7 @@ Experiment = tuple[str, SelfAffineSurface, Spec]
 def spec_fault(results: Results) -> str | None:
     """Return what is wrong with the spec in the results, in words of what is needed."""
     try:
-        parse_spec(results.spec_text)
+        parse_spec(results.spec_text, outside=results.outside_kinds)
     except SpecError as error:
         return f"the results' spec, which cannot be read: {error.faults[0]}"
     return None
@@ -28,6 +28,8 @@ def self_affine_experiments(results: Results) -> list[Experiment]:
     """
     return [
         (name, spec.surface, spec)
-        for name, spec in parse_spec(results.spec_text).experiments()
+        for name, spec in parse_spec(
+            results.spec_text, outside=results.outside_kinds
+        ).experiments()
         if isinstance(spec.surface, SelfAffineSurface) and name in results
     ]

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roughbench.figures.labels import experiment_label
-from roughbench.figures.looks import experiment_shades, lighter
 from roughbench.figures.rebuild import Experiment, self_affine_experiments, spec_fault
 from roughbench.figures.style import GUIDE, legend_above, new_figure
+from roughbench.figures.styles import experiment_shades, lighter
 from roughbench.models.base import Sample
 from roughbench.planning.samples import make_sample
 from roughbench.results import Results

@@ -49,6 +49,7 @@ from roughbench.fits.resampling import (
     resampled_means,
 )
 from roughbench.fits.tables import PERCENTS
+from roughbench.models.registry import is_reference
 from roughbench.quantities import Quantity, compared
 from roughbench.results import ModelResult, Results
 
@@ -96,7 +97,7 @@ def reference_of(models: dict[str, ModelResult], reference: str | None = None) -
                 f"no model is named {reference!r}; choose one of {', '.join(models)}"
             )
         return reference
-    return next((label for label, result in models.items() if result.kind == "bem"), None)
+    return next((label for label, result in models.items() if is_reference(result.kind)), None)
 
 
 def fit(

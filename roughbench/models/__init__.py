@@ -1,27 +1,10 @@
-"""The contenders, one file each. Registering one takes one line in ``MODELS``."""
+"""The contenders, one file each; a model from outside is one file elsewhere.
+
+Which there are says :mod:`roughbench.models.registry`.
+"""
 
 from __future__ import annotations
 
-from roughbench.models.base import Model
-from roughbench.models.bgt import BushGibsonThomas
-from roughbench.models.foundation import Foundation
-from roughbench.models.gw import GreenwoodWilliamson
-from roughbench.models.gw_elliptic import Elliptic
-from roughbench.models.halfspace import HalfSpace
-from roughbench.models.hertz_top import HertzTop
-from roughbench.models.line import Line
-from roughbench.models.persson import Persson
-from roughbench.models.winkler import Winkler
+from roughbench.models.registry import BUILT_IN, MODELS
 
-MODELS: dict[str, type[Model]] = {
-    "bem": HalfSpace,
-    "foundation": Foundation,
-    "line": Line,
-    "persson": Persson,
-    "winkler": Winkler,
-    "gw": GreenwoodWilliamson,
-    "gw_elliptic": Elliptic,
-    "bgt": BushGibsonThomas,
-    "hertz_top": HertzTop,
-}
-"""Kind in the spec → model."""
+__all__ = ["BUILT_IN", "MODELS"]

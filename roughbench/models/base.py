@@ -1,19 +1,20 @@
 """What every contender shares: the sample it gets, the curve it returns, its options.
 
-A contender is one file in this package: a subclass of :class:`Model` that holds its
-options and computes a :class:`Curve` from a :class:`Sample` and a list of pressures, or
-yields its :class:`State` one by one. It knows nothing of specs, files, progress bars or
+A contender is one file, in this package or elsewhere: a subclass of :class:`Model` that holds
+its options, declares all that is special about it, and computes a :class:`Curve` from a
+:class:`Sample` and a list of pressures, or yields its :class:`State` one by one. It knows
+nothing of specs, files, progress bars or
 figures.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from functools import partial
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +22,19 @@ from pydantic import (
     BaseModel,
     ConfigDict,
     Field,
+    PrivateAttr,
     SerializerFunctionWrapHandler,
     model_serializer,
 )
 
 from roughbench.errors import SolverError
+from roughbench.inputs import BYTES_PER_POINT
+from roughbench.models.style import Style
 from roughbench.spectrum import Spectrum
+from roughbench.surface import Undersampled, check_grid, highest_mode
+
+Needs = Literal["spectrum", "line", "surface"]
+_DIMENSIONS: Mapping[Needs, int] = {"spectrum": 0, "line": 1, "surface": 2}
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int32]
@@ -230,24 +238,30 @@ MOST_REALIZATIONS = 1_000_000
 
 
 class Model(BaseModel, ABC):
-    """Options of one contender, and how it computes a curve.
+    """Options of one contender, all that is special about it, and how it computes a curve.
 
     Subclasses declare ``kind: Literal["…"]``, their options as pydantic fields with
-    descriptions, and ``dimension`` and ``title``: as class variables, or as properties
-    where they depend on an option.
+    descriptions, ``needs`` and ``title``, and of the rest what differs from the defaults: as
+    class variables, or as properties where it depends on an option.
     """
 
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid")
 
     @property
     @abstractmethod
-    def dimension(self) -> int:
-        """0: spectrum only, 1: heights of a line, 2: heights of a surface."""
+    def needs(self) -> Needs:
+        """What it computes from: the heights of a line or a surface, or the spectrum alone."""
 
     @property
     @abstractmethod
     def title(self) -> str:
         """Name in legends and tables."""
+
+    style: ClassVar[Style] = Style()
+    """How it is drawn; by default in colours and dashes that no built-in model has."""
+
+    page: ClassVar[str] = ""
+    """Where it is described: an address, or a path in roughbench's documentation."""
 
     @property
     def has_fields(self) -> bool:
@@ -257,6 +271,24 @@ class Model(BaseModel, ABC):
     iterative: ClassVar[bool] = True
     """Whether it iterates each state to a tolerance. Threads may change its last bits then,
     and states that are there are kept when other pressures are asked for."""
+
+    is_reference: ClassVar[bool] = False
+    """Whether it is the exact solution, which all others are compared with."""
+
+    sampling: ClassVar[tuple[str, ...]] = ()
+    """Options that choose how heights are generated, first that of the points per side; they
+    mean nothing for heights from a file."""
+
+    @property
+    def undersampling(self) -> Undersampled:
+        """What happens to waves of a line that its points are too few for."""
+        return "error"
+
+    points_per_wave: ClassVar[int] = 4
+    """Points on the shortest wavelength where no option says how many points there are."""
+
+    fewest_points_per_wave: ClassVar[float] = 2.0
+    """Points on the shortest wavelength below which a report warns of a coarse grid."""
 
     later: ClassVar[tuple[str, ...]] = ()
     """Options that came after results had been written. With their default values they are
@@ -276,9 +308,13 @@ class Model(BaseModel, ABC):
         description="Overrides the spec's realizations for this model.",
     )
 
+    _reference: str = PrivateAttr(default="")
+
     @model_serializer(mode="wrap")
-    def _without_later_defaults(self, tree: SerializerFunctionWrapHandler) -> dict[str, Any]:
+    def _as_in_a_spec(self, tree: SerializerFunctionWrapHandler) -> dict[str, Any]:
         values: dict[str, Any] = tree(self)
+        if self._reference and "kind" in values:
+            values["kind"] = self._reference
         for name in self.later:
             if getattr(self, name) == type(self).model_fields[name].default:
                 values.pop(name, None)
@@ -289,19 +325,84 @@ class Model(BaseModel, ABC):
         """Label of the model in the results."""
         return self.label or self.kind
 
+    @property
+    def reference(self) -> str:
+        """What the spec says for ``kind`` if that is a file: ``mytheory.py:Erf09``."""
+        return self._reference
+
+    def referred_to(self, reference: str) -> Self:
+        """Return this model as one that a spec names by a file and a class."""
+        model = self.model_copy()
+        model._reference = reference  # noqa: SLF001  (of its own class)
+        return model
+
+    @property
+    def dimension(self) -> int:
+        """Of the heights: 1 for a line, 2 for a surface, 0 where the spectrum is enough."""
+        return _DIMENSIONS[self.needs]
+
     def unused_options(self) -> Mapping[str, str]:
         """Options that change nothing beside the others, each with what to do about it."""
         return {}
 
+    def refused_with_given_heights(self) -> Mapping[str, str]:
+        """Options that cannot be had for heights from a file, each with what to do about it."""
+        return {}
+
+    @classmethod
+    def legend(cls, attributes: Mapping[str, Any], quantity: str) -> Sequence[str]:
+        """Return the parameters that a legend shows with its curve of a quantity.
+
+        Parameters
+        ----------
+        attributes : mapping
+            Those of its results: the options, and parameters of the surface.
+        quantity : str
+            ``area``, ``separation`` or ``stiffness``.
+        """
+        del attributes, quantity
+        return ()
+
+    def memory(self, n_points: int) -> int:
+        """Estimate the bytes to compute a sample of so many points, the heights included."""
+        return BYTES_PER_POINT * n_points
+
+    def thriftier(self) -> Mapping[str, str]:
+        """Options, and their values, with which the same needs less memory."""
+        return {}
+
+    def work(self, n_points: int, n_pressures: int) -> float:
+        """Estimate the work of one realization on one core, in microseconds.
+
+        Progress and batches rely on it, and ``run -n``, which measures how fast this machine
+        is. Measured, November 2026, on a shared machine: models that do not iterate take 1 ms
+        and 0.25 µs per point of a line, or 0.4 µs per point of a surface, for all pressures;
+        theories of the spectrum 1 to 400 ms. Models that iterate had better say it themselves.
+        """
+        if self.needs == "spectrum":
+            return 1e4
+        if self.iterative:
+            return (n_pressures + 1) * (n_points + 1e4)
+        return 1e3 + n_points * (0.25 if self.needs == "line" else 0.4)
+
     def grid_points(self, spectrum: Spectrum, length: float) -> int:
         """Points per side of the heights that this model needs.
+
+        Those that the first option of :attr:`sampling` asks for, or so many on the shortest
+        wavelength as :attr:`points_per_wave` says.
 
         Raises
         ------
         SurfaceError
-            If its grid option is too coarse for the spectrum; names one that would do.
+            If they are fewer than two on the shortest wavelength; names how many would do.
         """
-        raise NotImplementedError(f"{self.kind} uses no heights")
+        if self.needs == "spectrum":
+            raise NotImplementedError(f"{self.kind} uses no heights")
+        wanted: int | None = getattr(self, self.sampling[0]) if self.sampling else None
+        if wanted is None:
+            return max(2, self.points_per_wave * highest_mode(spectrum, length))
+        check_grid(wanted, spectrum, length)
+        return wanted
 
     # -- computing -------------------------------------------------------------------------
 

@@ -31,7 +31,8 @@ from numpy.typing import ArrayLike
 
 from roughbench.errors import SolverError, SurfaceError
 from roughbench.models._checks import checked_pressures
-from roughbench.models.base import CompleteCurve, FloatArray, Model, Sample, Status
+from roughbench.models.base import CompleteCurve, FloatArray, Model, Needs, Sample, Status
+from roughbench.models.style import Style
 from roughbench.spectrum import Spectrum
 
 _STEPS = 200
@@ -105,8 +106,10 @@ def _level(target: FloatArray) -> FloatArray:
 class BushGibsonThomas(Model):
     """The low-pressure line of the asperity models."""
 
-    dimension: ClassVar[int] = 0
+    needs: ClassVar[Needs] = "spectrum"
     title: ClassVar[str] = "Bush–Gibson–Thomas line"
+    style: ClassVar[Style] = Style("#7F7F7F", ((12, 3),))
+    page: ClassVar[str] = "docs/models/bgt.md"
     iterative: ClassVar[bool] = False
 
     kind: Literal["bgt"] = "bgt"

@@ -56,10 +56,12 @@ from roughbench.models.base import (
     Fields,
     FloatArray,
     Model,
+    Needs,
     Sample,
     State,
     Status,
 )
+from roughbench.models.style import Style
 from roughbench.spectrum import Spectrum
 from roughbench.surface import Undersampled, check_grid
 
@@ -226,8 +228,11 @@ def _evaluate(events: _Events, p: FloatArray, length: float) -> CompleteCurve:
 class Foundation(Model):
     """Popov's foundation: independent springs on a line with C1D = π q C2D."""
 
-    dimension: ClassVar[int] = 1
+    needs: ClassVar[Needs] = "line"
     title: ClassVar[str] = "Popov (1D foundation)"
+    style: ClassVar[Style] = Style("#0072B2", ((), (9, 1.5), (6, 1, 1, 1)), order=3)
+    page: ClassVar[str] = "docs/models/foundation.md"
+    sampling: ClassVar[tuple[str, ...]] = ("springs", "undersampled")
     iterative: ClassVar[bool] = False
     has_fields: ClassVar[bool] = True
 
@@ -252,6 +257,11 @@ class Foundation(Model):
         "slope of the line falls from 0.100 to 0.081 (truncate) or 0.086 (alias), the "
         "area changes by at most +4 %, separation and stiffness by 0.1 %.",
     )
+
+    @property
+    def undersampling(self) -> Undersampled:
+        """What happens to waves that the springs are too few for."""
+        return self.undersampled
 
     def grid_points(self, spectrum: Spectrum, length: float) -> int:
         """Return the number of springs, if it carries the spectrum.

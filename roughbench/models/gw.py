@@ -41,6 +41,7 @@ from roughbench.models._checks import checked_length, checked_pressures
 from roughbench.models._grids import GridOption, HeightsOrSpectrum
 from roughbench.models._summits import find_summits
 from roughbench.models.base import CompleteCurve, FloatArray, Sample
+from roughbench.models.style import Style
 from roughbench.spectrum import Spectrum
 
 SummitSource = Literal["nayak", "counted"]
@@ -213,6 +214,9 @@ class AsperityModel(HeightsOrSpectrum):
 
 class GreenwoodWilliamson(AsperityModel):
     """Independent spheres of one radius at the summits."""
+
+    style: ClassVar[Style] = Style("#E69F00", ((1.2, 1.2),))
+    page: ClassVar[str] = "docs/models/gw.md"
 
     kind: Literal["gw"] = "gw"
 

@@ -36,7 +36,7 @@ Source: J. A. Greenwood (2006); P. R. Nayak (1971) for the statistics.
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -47,6 +47,7 @@ from roughbench.models._gaussian_excess import Weight
 from roughbench.models._summits import find_summits
 from roughbench.models.base import CompleteCurve, FloatArray
 from roughbench.models.gw import AsperityModel
+from roughbench.models.style import Style
 from roughbench.spectrum import Spectrum
 
 _POINTS = 64
@@ -167,6 +168,9 @@ def counted_elliptic_curve(
 
 class Elliptic(AsperityModel):
     """Independent summits with their own heights and curvatures."""
+
+    style: ClassVar[Style] = Style("#56B4E9", ((5, 1.5, 1, 1.5, 1, 1.5),))
+    page: ClassVar[str] = "docs/models/gw_elliptic.md"
 
     kind: Literal["gw_elliptic"] = "gw_elliptic"
 

@@ -58,6 +58,7 @@ from roughbench.models._checks import (
 )
 from roughbench.models._grids import GridOption, HeightsOrSpectrum
 from roughbench.models.base import CompleteCurve, FloatArray, Sample, Status
+from roughbench.models.style import Style
 from roughbench.spectrum import Spectrum, power_integral, wavenumbers
 
 REACH = 1.75
@@ -306,6 +307,8 @@ class HertzTop(HeightsOrSpectrum):
     idle_grid: ClassVar[str] = (
         "has no effect with radius: spectrum; remove it, or choose heights"
     )
+    style: ClassVar[Style] = Style("#8C6D31", ((2.5, 1),))
+    page: ClassVar[str] = "docs/models/hertz_top.md"
 
     kind: Literal["hertz_top"] = "hertz_top"
     radius: Literal["heights", "spectrum"] = Field(

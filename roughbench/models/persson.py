@@ -41,9 +41,9 @@ In :math:`x = p/\sqrt{2V}` the variables separate, so that the area is a functio
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -53,7 +53,8 @@ from roughbench.errors import SolverError, SurfaceError
 from roughbench.inputs import real_number
 from roughbench.models._checks import checked_length, checked_positive, checked_pressures
 from roughbench.models._persson_quadrature import Quadrature, make_quadrature
-from roughbench.models.base import CompleteCurve, FloatArray, Model, Sample, Status
+from roughbench.models.base import CompleteCurve, FloatArray, Model, Needs, Sample, Status
+from roughbench.models.style import Style
 from roughbench.spectrum import Spectrum
 
 FiniteSize = Literal["none", "max", "blend"]
@@ -372,8 +373,10 @@ def _combine(
 class Persson(Model):
     """Persson's theory, from the spectrum alone."""
 
-    dimension: ClassVar[int] = 0
+    needs: ClassVar[Needs] = "spectrum"
     title: ClassVar[str] = "Persson"
+    style: ClassVar[Style] = Style("#D55E00", ((3, 3), (1.5, 1.5), (6, 3)))
+    page: ClassVar[str] = "docs/models/persson.md"
     iterative: ClassVar[bool] = False
 
     kind: Literal["persson"] = "persson"
@@ -423,6 +426,23 @@ class Persson(Model):
             for option, choices in needs.items()
             if self.finite_size not in choices
         }
+
+    def refused_with_given_heights(self) -> Mapping[str, str]:
+        """Refuse the finite-size stiffness, which is that of a self-affine spectrum."""
+        if self.finite_size == "none":
+            return {}
+        message = "needs H and qr, which heights from a file do not have; choose none"
+        return {"finite_size": message}
+
+    @classmethod
+    def legend(cls, attributes: Mapping[str, Any], quantity: str) -> Sequence[str]:
+        """Return the γ that a quantity depends on, and whether K is that of a finite size."""
+        if quantity == "area" and "area_gamma" in attributes:
+            return [rf"$\gamma_A = {attributes['area_gamma']:g}$"]
+        shown = [rf"$\gamma = {attributes['gamma']:g}$"] if "gamma" in attributes else []
+        if quantity == "stiffness" and attributes.get("finite_size", "none") != "none":
+            shown.append("finite size")
+        return shown
 
     def curve(self, sample: Sample, pressures: FloatArray) -> CompleteCurve:
         """Return the curve of the sample's spectrum; heights are not looked at."""

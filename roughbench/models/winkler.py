@@ -56,6 +56,7 @@ from roughbench.models._gaussian_excess import log_excess
 from roughbench.models._grids import GridOption, HeightsOrSpectrum
 from roughbench.models._springs import make_spring_fields
 from roughbench.models.base import CompleteCurve, Fields, FloatArray, Sample, State, Status
+from roughbench.models.style import Style
 from roughbench.spectrum import mode_power, wavenumbers
 
 
@@ -284,6 +285,8 @@ class Winkler(HeightsOrSpectrum):
 
     iterative: ClassVar[bool] = False
     idle_grid: ClassVar[str] = "has no effect with heights: gaussian; remove it"
+    style: ClassVar[Style] = Style("#CC79A7", ((5, 1.5, 1, 1.5),))
+    page: ClassVar[str] = "docs/models/winkler.md"
 
     kind: Literal["winkler"] = "winkler"
     heights: Literal["realized", "gaussian"] = Field(

@@ -100,25 +100,11 @@ class Cell:
     def work(self) -> float:
         """Estimated work of one realization on one core, in microseconds.
 
-        Progress and batches rely on it, and ``run -n``, which measures how fast this machine
-        is (:mod:`roughbench.runner.speed`). Measured, November 2026, on a shared machine: the
-        exact solver takes 0.7 µs per point and pressure on a surface (32² to 1024² points),
-        3.3 µs on a line, and as long as for 12500 or 4500 points more for what does not grow
-        with them, and for the first state, which starts from nothing, as long as for two;
-        models that do not iterate take 0.25 µs per point of a line and 0.4 µs per point of a
-        surface for all pressures, and 1 ms, theories of the spectrum 1 to 400 ms.
-        All observables together take 0.17 µs per point and pressure.
+        That of the model, and of all observables 0.17 µs per point and pressure.
         """
-        dimension, n_points = self.model.dimension, float(self.n_points)
-        if dimension == 0:
-            return 1e4
+        work = self.model.work(self.n_points, len(self.pressures))
         observed = 0.17 * len(self.pressures) if self.asked.observables else 0.0
-        if self.model.iterative:
-            each, more = (3.3, 4500.0) if dimension == 1 else (0.7, 12500.0)
-            solved = (len(self.pressures) + 1) * each * (n_points + more)
-        else:
-            solved = 1e3 + n_points * (0.25 if dimension == 1 else 0.4)
-        return solved + observed * n_points
+        return work + observed * float(self.n_points)
 
     @property
     def n_points(self) -> int:

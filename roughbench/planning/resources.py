@@ -8,11 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from roughbench.errors import RoughbenchError
-from roughbench.inputs import BYTES_PER_POINT
 from roughbench.memory import available_memory, gigabytes
-from roughbench.models.halfspace import HalfSpace
-from roughbench.models.halfspace.memory import needed
-from roughbench.models.line import Line
 from roughbench.planning.plan import NOTHING, Cell, Task
 
 GRID_FOR_ALL_CORES = 1536
@@ -152,11 +148,7 @@ def memory_of(task: Task) -> int:
     Examples: 0.3 GB for 512² points, 0.5 GB for 2048² (measured: 0.4 and 0.6 GB).
     """
     n_points, model = task.cell.n_points, task.cell.model
-    memory = _PROCESS
-    if isinstance(model, HalfSpace | Line):
-        memory += 8 * n_points + needed(n_points, double=model.precision == "double")
-    else:
-        memory += BYTES_PER_POINT * n_points
+    memory = _PROCESS + model.memory(n_points)
     if task.cell.asked.observables:
         memory += _PER_POINT_OBSERVED * n_points
     # Once as they come, once more in the block of the task and on the way to its shard.
@@ -208,10 +200,10 @@ def _remedies(task: Task, limits: ResourceLimits) -> Iterator[str]:
     here = available_memory()
     if here is None or memory_of(task) <= here.size:
         yield "allow more with --max-memory"
-    if isinstance(cell.model, HalfSpace | Line) and cell.model.precision == "double":
-        mixed = cell.model.model_copy(update={"precision": "mixed"})
-        if memory_of(replace(task, cell=replace(cell, model=mixed))) <= limits.memory:
-            yield "choose precision: mixed"
+    if options := cell.model.thriftier():
+        other = cell.model.model_copy(update=options)
+        if memory_of(replace(task, cell=replace(cell, model=other))) <= limits.memory:
+            yield f"choose {', '.join(f'{key}: {value}' for key, value in options.items())}"
     bare = replace(task, cell=replace(cell, asked=NOTHING))
     if memory_of(bare) < memory_of(task) and memory_of(bare) <= limits.memory:
         yield "ask for no observables and fields"

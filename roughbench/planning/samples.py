@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from roughbench.errors import SurfaceError
 from roughbench.heights_file import load_heights
 from roughbench.models.base import FloatArray, Model, Sample
-from roughbench.models.foundation import Foundation
+from roughbench.models.registry import source_of
+from roughbench.models.style import Style
 from roughbench.results import Attribute
 from roughbench.spec import FileSurface, SelfAffineSurface
 from roughbench.spectrum import measured_spectrum
@@ -117,7 +118,7 @@ def make_sample(
             length,
             generator,
             surface.amplitude,
-            model.undersampled if isinstance(model, Foundation) else "error",
+            model.undersampling,
         )
     return Sample(heights, length, spectrum)
 
@@ -171,7 +172,8 @@ def describe(
         attributes["rms_height"] = heights.rms_height
         attributes["rms_slope"] = heights.rms_slope
         n_points = heights.shape[0]
-        options.pop("undersampled", None)
+        for name in model.sampling[1:]:
+            options.pop(name, None)
     else:
         spectrum = surface.spectrum()
         parameters = surface.model_dump(exclude={"kind", "length", "rms_height", "rms_slope"})
@@ -181,11 +183,11 @@ def describe(
         n_points = model.grid_points(spectrum, surface.length) if model.dimension else 0
     if model.dimension:
         attributes["grid_points"] = n_points
-        options |= {
-            name: n_points
-            for name in ("grid", "points", "springs")
-            if name in type(model).model_fields
-        }
+        options |= dict.fromkeys(model.sampling[:1], n_points)
+    if source := source_of(model):
+        attributes["source"] = source
+        if model.style != Style():
+            attributes["style"] = model.style.as_text()
     return attributes | {name: _plain(value) for name, value in options.items()}
 
 

@@ -8,7 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from roughbench.figures.looks import PERSSON, model_colours
+from roughbench.figures.styles import curve_styles
+from roughbench.models.persson import Persson
 from roughbench.report.sources import ReportSource
 from roughbench.report.text import plotly_text
 from roughbench.results import ModelResult
@@ -30,7 +31,7 @@ SYMBOLS = (
 """plotly's names of markers."""
 DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")
 """plotly's names of dashes."""
-THEORY_COLOUR = PERSSON.colour
+THEORY_COLOUR = Persson.style.colour
 """Of Persson's theory, drawn beside the observables of a model."""
 
 
@@ -44,11 +45,10 @@ class PageStyle:
 
 def page_styles(sources: Sequence[ReportSource]) -> dict[str, PageStyle]:
     """Return a style for every label, the same in all files."""
-    kinds = {result.label: result.kind for source in sources for _, result in source.models()}
-    colours = model_colours(kinds)
+    printed = curve_styles(pair for source in sources for pair in source.models())
     return {
-        label: PageStyle(colours[label], SYMBOLS[place % len(SYMBOLS)])
-        for place, label in enumerate(kinds)
+        label: PageStyle(style.colour, SYMBOLS[place % len(SYMBOLS)])
+        for place, (label, style) in enumerate(printed.items())
     }
 
 

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from roughbench.models import MODELS
+from roughbench.models import BUILT_IN
 from roughbench.report.numbers import number
 
 
@@ -39,7 +39,7 @@ _NOTATION = re.compile(
 _EXPONENTIAL = re.compile(r"(?<![\w.])\d(?:\.\d+)?e[-+]\d+(?!\w)")
 _SPEC_WORDS = re.compile(
     r"(?P<code>(?:sweep|observables): (?:\{[^}]*\}|\[[^\]]*\])|\bsurface\.\w+|\bq[r01]\b|"
-    rf"\b(?:{'|'.join(MODELS)})\b)"
+    rf"\b(?:{'|'.join(BUILT_IN)})\b)"
 )
 """What stands in specs: two keys with their values, wavevectors, kinds of models."""
 _FOLDERS = re.compile(r"(?<![\w.~/\\])(?:~|[A-Za-z]:)?[/\\](?:[^\s/\\'\",:;{}\[\]]+[/\\])+")

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from roughbench.errors import SpecError
 from roughbench.models.base import Status
+from roughbench.models.registry import declared
 from roughbench.notation import typeset
 from roughbench.quantities import compared
 from roughbench.report.curves import has_quantity
@@ -23,7 +24,6 @@ FEWEST_REALIZATIONS = 5
 LARGE_ERROR = 0.1
 FEWEST_CONTACT_POINTS = 100
 LARGE_CORRECTION = 0.2
-_POINTS_PER_WAVE = {"bem": 4.0, "line": 4.0}
 _NYQUIST = 2.0
 _ENDS = {
     Status.STAGNATED: "stagnated",
@@ -138,7 +138,8 @@ def _resolution(result: ModelResult) -> Iterator[tuple[str, str]]:
         return
     waves = float(known["q_max"]) * float(known["length"]) / (2.0 * math.pi)
     per_wave = float(known["grid_points"]) / waves
-    wanted = _POINTS_PER_WAVE.get(result.kind, _NYQUIST)
+    model = declared(result.kind)
+    wanted = model.fewest_points_per_wave if model else _NYQUIST
     if per_wave < wanted * (1.0 - 1e-9):
         points = f"{number(per_wave)} points on the shortest wave 2π/q₁"
         yield "Coarse grids", f"{points}, fewer than {number(wanted)}."
@@ -199,7 +200,8 @@ def _medians(result: ModelResult) -> Iterator[tuple[str, str]]:
 
 def _missing_parts(source: ReportSource) -> Iterator[Remark]:
     try:
-        experiments = parse_spec(source.results.spec_text).experiments()
+        spec = parse_spec(source.results.spec_text, outside=source.results.outside_kinds)
+        experiments = spec.experiments()
     except SpecError:
         text = "the spec in the file cannot be read, so nothing tells what is missing."
         yield Remark("Missing parts", source.name, text)

@@ -18,11 +18,12 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-import roughbench.models
 import roughbench.observables
 from roughbench.models.base import Model
+from roughbench.models.files import installed_files, origin_of
 from roughbench.observables import OBSERVABLES, Observable
 from roughbench.planning.plan import Cell
+from roughbench.public import LAZY
 from roughbench.quantities import QUANTITIES
 from roughbench.rundir import source
 from roughbench.spec import SelfAffineSurface
@@ -30,10 +31,12 @@ from roughbench.spec import SelfAffineSurface
 Identity = Mapping[str, str | int | float]
 """Flat: key path in a spec, ``threads`` or ``code`` → value."""
 
-_PACKAGE = Path(roughbench.models.__file__).parents[1]
+_PACKAGE = Path(roughbench.observables.__file__).parents[1]
 _numerics = re.compile(
     r"roughbench\.(models\.\w+|surface|spectrum|transform|heights_file)\b", re.ASCII
 ).match
+_public = {f"roughbench.{name}": module for name, module in LAZY.items()}
+_SAMPLES_FILE = "roughbench/planning/samples.py"
 _SAMPLES = ("surface", "spectrum", "heights_file", "planning.samples")
 
 
@@ -56,8 +59,11 @@ def identity(cell: Cell, threads: int) -> Identity:
         a state without the field that it should have counts as missing.
     """
     model, surface = cell.model, cell.surface
-    options = model.model_dump(by_alias=True, exclude={"label", "realizations", "grid"})
+    options = model.model_dump(
+        by_alias=True, exclude={"label", "realizations", *model.sampling[:1]}
+    )
     values = {f"model.{name}": value for name, value in options.items() if value is not None}
+    values["model.kind"] = model.kind  # where its file lies does not matter
     given = surface.model_dump(by_alias=True, exclude_none=True, exclude={"path"})
     if cell.heights is not None:
         given["heights"] = cell.heights.digest
@@ -114,20 +120,22 @@ def code_digest(model: type[Model]) -> str:
     """Return a digest of what the source files compute that make a model's numbers.
 
     12 digits; blind to docstrings, comments and layout, see :mod:`roughbench.rundir.source`.
+    Of a model from outside its own files count, and those that it imports beside them (of a
+    package: within it), and what it takes from roughbench.
     """
-    waiting = [_unit(model.__module__.removeprefix("roughbench."), model)]
-    waiting += [_unit(name, model) for name in _SAMPLES]
-    digests: dict[Path, str] = {}
+    own = _own_files(model)
+    waiting = [own, *(_unit(name) for name in _SAMPLES)]
+    digests: dict[str, str] = {}
     while waiting:
-        for path in waiting.pop():
+        for path, text in waiting.pop().items():
             if path in digests:
                 continue
-            text = path.read_text(encoding="utf-8")
             digests[path] = source.digest(text)
-            if path.name == "samples.py":  # imports every model
+            if path == _SAMPLES_FILE:  # imports what describes models
                 continue
-            found = {match[1] for name in source.imported(text) if (match := _numerics(name))}
-            waiting += [_unit(name, model) for name in sorted(found)]
+            names = {_public.get(name, name) for name in source.imported(text)}
+            found = {match[1] for name in names if (match := _numerics(name))}
+            waiting += [_unit(name) for name in sorted(found)]
     return _together([digests[path] for path in sorted(digests)])[:12]
 
 
@@ -176,19 +184,19 @@ def _together(digests: Sequence[str]) -> str:
     return hashlib.sha256("".join(digests).encode()).hexdigest()
 
 
-def _unit(name: str, model: type[Model]) -> list[Path]:
-    """Return the files of a module, or of the whole package that it stands in."""
+def _own_files(model: type[Model]) -> dict[str, str]:
+    """Return the texts of a model's own files, by path."""
+    if origin := origin_of(model):
+        return dict(origin.files.texts)
+    if model.__module__.startswith("roughbench."):
+        return _unit(model.__module__.removeprefix("roughbench."))
+    return installed_files(model)
+
+
+def _unit(name: str) -> dict[str, str]:
+    """Return the texts of a module of roughbench, or of the whole package it stands in."""
     parts = name.split(".")
-    if parts[0] not in {
-        "models",
-        "planning",
-        "surface",
-        "spectrum",
-        "transform",
-        "heights_file",
-    }:
-        return [Path(inspect.getfile(model))]  # a model from elsewhere
     folder = _PACKAGE.joinpath(*parts[:2])
-    if folder.is_dir():
-        return sorted(folder.glob("*.py"))
-    return [folder.with_suffix(".py")]
+    paths = sorted(folder.glob("*.py")) if folder.is_dir() else [folder.with_suffix(".py")]
+    texts = {path: path.read_text(encoding="utf-8") for path in paths}
+    return {path.relative_to(_PACKAGE.parent).as_posix(): text for path, text in texts.items()}

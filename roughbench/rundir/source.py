@@ -1,7 +1,8 @@
 """What a source file computes, as a digest: blind to words, comments and layout.
 
 Two texts have the same digest if their syntax trees are the same but for docstrings, other
-statements that are strings alone, descriptions of options, and positions. The tree is written
+statements that are strings alone, descriptions of options, title, style
+and page of a class, and positions. The tree is written
 down here rather than by :func:`ast.dump`, whose text differs between versions of Python; what
 a version leaves out when it is empty (``type_params`` since 3.12) is left out everywhere.
 """
@@ -13,6 +14,8 @@ import hashlib
 
 _IMMATERIAL = {"ctx", "kind", "type_comment", "type_ignores"}
 """Fields that say nothing more than the rest: loads or stores, u-prefixes, comments."""
+_DECLARED = {"title", "style", "page"}
+"""Of a class: what is not for numbers."""
 
 
 def digest(text: str) -> str:
@@ -37,20 +40,32 @@ def imported(text: str) -> set[str]:
     --------
     >>> sorted(imported("import numpy as np; from roughbench.models import base"))
     ['numpy', 'roughbench.models', 'roughbench.models.base']
+    >>> sorted(imported("import roughbench as rb; rb.solve_curve"))
+    ['roughbench', 'roughbench.solve_curve']
     """
     names: set[str] = set()
-    for node in ast.walk(ast.parse(text)):
+    tree = ast.parse(text)
+    bound: set[str] = set()  # names of the package itself
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             names.update(alias.name for alias in node.names)
+            bound.update(a.asname or a.name for a in node.names if a.name == "roughbench")
         elif isinstance(node, ast.ImportFrom) and node.module is not None:
             names.add(node.module)
             names.update(f"{node.module}.{alias.name}" for alias in node.names)
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Attribute) or not isinstance(node.value, ast.Name):
+            continue
+        if node.value.id in bound:
+            names.add(f"roughbench.{node.attr}")
     return names
 
 
 def _write(value: object, pieces: list[str]) -> None:
     """Add a tree as text in brackets, which no two different trees share."""
     if isinstance(value, ast.AST):
+        if isinstance(value, ast.ClassDef):
+            value.body = [part for part in value.body if not _is_declared(part)]
         pieces.append(f"{type(value).__name__}(")
         for name, part in ast.iter_fields(value):
             if name not in _IMMATERIAL and part is not None and part != []:
@@ -65,6 +80,14 @@ def _write(value: object, pieces: list[str]) -> None:
         pieces.append("]")
     else:
         pieces.append(f"{type(value).__name__}:{value!r},")
+
+
+def _is_declared(node: object) -> bool:
+    """Whether a statement in a class says how a model is called and drawn."""
+    targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
+    is_assignment = isinstance(node, ast.Assign | ast.AnnAssign)
+    names = {target.id for target in targets if isinstance(target, ast.Name)}
+    return is_assignment and bool(names) and names <= _DECLARED
 
 
 def _is_words(node: object) -> bool:

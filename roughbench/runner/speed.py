@@ -32,7 +32,6 @@ _PRESSURES = (1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.5)
 """To full contact, which has loops of its own."""
 _SECONDS, _TIMES = 0.5, 20
 """Repeated until it has taken so long, or so often; the shortest time counts."""
-_SIZES = ("grid", "points", "springs")
 
 
 class Speeds:
@@ -86,12 +85,13 @@ def _read(path: Path) -> dict[str, float]:
 
 
 def _kind(model: Model) -> str:
-    return str(getattr(model, "kind", model.name))
+    return model.kind
 
 
 def _key(model: Model) -> str:
     """Return what the speed depends on: options, code, machine; not the number of points."""
-    options = model.model_dump(mode="json", exclude={"label", "realizations", *_SIZES})
+    no_matter = {"label", "realizations", *model.sampling[:1]}
+    options = model.model_dump(mode="json", exclude=no_matter)
     content = json.dumps([options, code_digest(type(model)), platform.node()], sort_keys=True)
     return f"{_kind(model)} {hashlib.sha256(content.encode()).hexdigest()[:12]}"
 
@@ -102,7 +102,7 @@ def _measured(model: Model) -> float:
     What iterates in single precision falls back to double where it has to: loops for both.
     """
     n_points = _POINTS.get(model.dimension, 256)
-    sizes = {name: n_points for name in _SIZES if name in type(model).model_fields}
+    sizes = dict.fromkeys(model.sampling[:1], n_points)
     surface = SelfAffineSurface.model_validate(
         {"H": 0.7, "q0": 1.0, "qr": 4.0, "q1": n_points / 8, "slope": 0.1}
     )

@@ -10,15 +10,11 @@ import numpy as np
 
 from roughbench.errors import SurfaceError, explained
 from roughbench.models.base import Model
-from roughbench.models.persson import Persson
 from roughbench.spec.fields import SavedFields
 from roughbench.spec.pressures import is_among, nearest
 from roughbench.spec.surfaces import FileSurface, SelfAffineSurface
 from roughbench.spec.tree import Finding, KeyPath, lookup
 from roughbench.text import on_one_line
-
-# Options that choose a grid for generated heights; heights from a file have one.
-_GRID_OPTIONS = ("grid", "points", "springs", "undersampled")
 
 _MOST_WAVES = 1e9
 """Waves per side past which no grid is worth naming."""
@@ -156,7 +152,7 @@ def _grids(surface: SelfAffineSurface, models: Numbered) -> Iterator[Finding]:
 
 
 def _grid_option(number: int, model: Model) -> KeyPath:
-    written = [option for option in _GRID_OPTIONS if option in model.model_fields_set]
+    written = [option for option in model.sampling if option in model.model_fields_set]
     return ("models", number, *written[:1])
 
 
@@ -172,12 +168,9 @@ def _given_heights(tree: Any, models: Numbered) -> Iterator[Finding]:
         if model.dimension > 0 and (model.realizations or 1) != 1:
             message = "heights from a file are one realization; remove this"
             yield Finding((*where, "realizations"), message)
-        for option in _GRID_OPTIONS:
+        for option in model.sampling:
             if option in model.model_fields_set:
                 message = "has no meaning for heights from a file, which bring their grid"
                 yield Finding((*where, option), f"{message}; remove this")
-        if isinstance(model, Persson) and model.finite_size != "none":
-            yield Finding(
-                (*where, "finite_size"),
-                "needs H and qr, which heights from a file do not have; choose none",
-            )
+        for option, message in model.refused_with_given_heights().items():
+            yield Finding((*where, option), message)

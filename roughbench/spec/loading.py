@@ -16,12 +16,14 @@ from pydantic import TypeAdapter, ValidationError
 
 from roughbench.errors import Fault, SpecError, explained
 from roughbench.models.base import Model
+from roughbench.models.registry import Catalog, Unavailable
 from roughbench.program import command
 from roughbench.spec import sweep
 from roughbench.spec.checks import check_file, check_fit
 from roughbench.spec.fields import SavedFields
 from roughbench.spec.messages import translate, without_echoes
-from roughbench.spec.model import AnyModel, Spec
+from roughbench.spec.model import Spec
+from roughbench.spec.models import AnyModel, catalog_of
 from roughbench.spec.names import default_name
 from roughbench.spec.overrides import apply_overrides
 from roughbench.spec.pressures import PressureRange, Pressures, values_of
@@ -56,6 +58,12 @@ class _Given:
     source: str = ""
     text: str | None = None
     overrides: dict[KeyPath, str] = field(default_factory=dict)
+    outside: Mapping[str, str] | None = None
+
+    @property
+    def context(self) -> dict[str, Any]:
+        """What its parts have to know for their validation."""
+        return {"folder": self.folder, "catalog": Catalog(self.folder, self.outside)}
 
 
 def load_spec(
@@ -107,7 +115,12 @@ def load_spec(
     return _build(given, overrides)
 
 
-def parse_spec(text: str, *, folder: str | os.PathLike[str] = "") -> Spec:
+def parse_spec(
+    text: str,
+    *,
+    folder: str | os.PathLike[str] = "",
+    outside: Mapping[str, str] | None = None,
+) -> Spec:
     """Return the spec that a text is, whether the files that it names are there or not.
 
     Parameters
@@ -115,14 +128,19 @@ def parse_spec(text: str, *, folder: str | os.PathLike[str] = "") -> Spec:
     text : str
         YAML, such as the ``spec`` of a results file.
     folder : path
-        Where relative paths of height files start; default: the current folder.
+        Where relative paths start; default: the current folder.
+    outside : mapping of str to str, optional
+        Run no Python file that the spec names as a model, and let pass what is not installed:
+        kind in the spec → kind in the results
+        (:attr:`roughbench.results.Results.outside_kinds`).
 
     Raises
     ------
     SpecError
         With every fault of the text.
     """
-    return _build(_Given(read_yaml(text), folder=Path(folder), text=text), (), files=False)
+    given = _Given(read_yaml(text), folder=Path(folder), text=text, outside=outside)
+    return _build(given, (), files=False)
 
 
 def _from_mapping(source: Mapping[str, Any]) -> _Given:
@@ -181,11 +199,14 @@ def _build(given: _Given, overrides: Sequence[str], *, files: bool = True) -> Sp
             faults.append(_fault(Finding((), message), given))
         raise SpecError(faults)
 
-    tree, given.overrides, override_faults = apply_overrides(tree, overrides)
+    tree, given.overrides, override_faults = apply_overrides(
+        tree, overrides, given.context["catalog"]
+    )
     tree = {"name": default_name(given.name), **tree}
     text = None if overrides else given.text
-    spec, findings = _validate(tree, {"folder": given.folder, "text": text}, files=files)
-    findings += _validate_sweep(tree, findings, given.folder, files=files)
+    context = given.context
+    spec, findings = _validate(tree, context | {"text": text}, files=files)
+    findings += _validate_sweep(tree, findings, context, files=files)
     faults += [_fault(f, given) for f in findings if not _refused(f.path, document.refused)]
     faults.sort(key=lambda fault: (fault.source != given.source, fault.line, fault.column))
     faults += override_faults
@@ -201,10 +222,11 @@ def _validate(
     spec: Spec | None = None
     findings: list[Finding] = []
     frozen = freeze(tree)
+    catalog = catalog_of(context)
     try:
         spec = Spec.model_validate(frozen, context=context)
     except ValidationError as error:
-        translated = (translate(e, tree) for e in error.errors(include_url=False))
+        translated = (translate(e, tree, catalog) for e in error.errors(include_url=False))
         # The sweep is checked by sweep.check, which knows what its keys mean.
         findings = [f for f in translated if f is not None and f.path[:1] != ("sweep",)]
     surface = _part(_SURFACE, frozen.get("surface"), context)
@@ -213,6 +235,7 @@ def _validate(
         (number, model)
         for number, entry in enumerate(given if isinstance(given, tuple) else ())
         if (model := _part(_MODEL, entry, context)) is not None
+        and not isinstance(model, Unavailable)
     ]
     pressures = _part(_PRESSURES, frozen.get("pressures"), context)
     findings += check_fit(
@@ -224,19 +247,20 @@ def _validate(
     )
     if files:
         findings += check_file(surface)
-    return spec, without_echoes(findings, tree)
+    return spec, without_echoes(findings, tree, catalog)
 
 
 def _validate_sweep(
-    tree: Any, known: Sequence[Finding], folder: Path, *, files: bool
+    tree: Any, known: Sequence[Finding], context: Mapping[str, Any], *, files: bool
 ) -> list[Finding]:
     """Return what is wrong with the sweep, or with a combination of its values."""
-    findings = sweep.check(tree)
+    catalog = catalog_of(context)
+    findings = sweep.check(tree, catalog)
     if findings or not tree.get("sweep"):
         return findings
     seen = set(known)
-    for variant in sweep.variants(tree):
-        for finding in _validate(variant.tree, {"folder": folder}, files=files)[1]:
+    for variant in sweep.variants(tree, catalog):
+        for finding in _validate(variant.tree, context, files=files)[1]:
             if finding not in seen:
                 seen.add(finding)
                 findings.append(sweep.blame(finding, variant))

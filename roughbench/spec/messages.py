@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from roughbench.models import MODELS
+from roughbench.errors import ModelError
+from roughbench.models.registry import Catalog
 from roughbench.spec.model import Spec
 from roughbench.spec.pressures import PressureRange
 from roughbench.spec.surfaces import FileSurface, SelfAffineSurface
@@ -34,7 +36,7 @@ _TYPES = {
 }
 
 
-def translate(error: ErrorDetails, tree: Any) -> Finding | None:
+def translate(error: ErrorDetails, tree: Any, catalog: Catalog) -> Finding | None:
     """Return one of pydantic's errors as a finding, None if it only follows from others.
 
     Parameters
@@ -43,26 +45,29 @@ def translate(error: ErrorDetails, tree: Any) -> Finding | None:
         Of the validation of :class:`Spec`.
     tree : dict
         What was validated.
+    catalog : Catalog
+        Of its models.
     """
     path, kind, context = _path(error["loc"]), error["type"], error.get("ctx", {})
     if kind == "default_factory_not_called" or (kind == "too_short" and error["input"]):
         return None
     if kind == "parent":
         return Finding(path[:-1], error["msg"], "key")
-    if kind == "child":
-        return Finding((*path, context["part"]), error["msg"])
+    if kind in ("child", "missing_child"):
+        at: Literal["value", "parent"] = "value" if kind == "child" else "parent"
+        return Finding((*path, context["part"]), error["msg"], at)
     if kind == "extra_forbidden":
-        return Finding(path, f"unknown key{_known_keys(path, tree)}", "key")
+        return Finding(path, f"unknown key{_known_keys(path, tree, catalog)}", "key")
     if kind == "missing":
-        return Finding(path, f"is missing{_description(path, tree)}", "parent")
+        return Finding(path, f"is missing{_description(path, tree, catalog)}", "parent")
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         return _wrong_form(path, error["input"])
-    return Finding(path, _value_message(error, _most(path, tree)))
+    return Finding(path, _value_message(error, _most(path, tree, catalog)))
 
 
-def _most(path: KeyPath, tree: Any) -> int | None:
+def _most(path: KeyPath, tree: Any, catalog: Catalog) -> int | None:
     """Return the largest integer that may stand at ``path``, if there is one."""
-    entry = fields_at(path[:-1], tree).get(str(path[-1])) if path else None
+    entry = fields_at(path[:-1], tree, catalog).get(str(path[-1])) if path else None
     bounds = [getattr(rule, "le", None) for rule in entry[1].metadata] if entry else []
     return next((bound for bound in bounds if isinstance(bound, int)), None)
 
@@ -100,13 +105,13 @@ def _value_message(error: ErrorDetails, most: int | None) -> str:
     return f"{message}, got {show(got)}"
 
 
-def without_echoes(findings: list[Finding], tree: Any) -> list[Finding]:
+def without_echoes(findings: list[Finding], tree: Any, catalog: Catalog) -> list[Finding]:
     """Leave out the missing keys that only miss because they are misspelt."""
     meant = set()
     for finding in findings:
         if finding.message.startswith("unknown key"):
             *parent, word = finding.path
-            near = _meant(str(word), fields_at(tuple(parent), tree))
+            near = _meant(str(word), fields_at(tuple(parent), tree, catalog))
             meant.add((*parent, near))
     scales = {(*path[:-1],) for path in meant if path[-1] in ("slope", "rms_height")}
     return [
@@ -117,7 +122,7 @@ def without_echoes(findings: list[Finding], tree: Any) -> list[Finding]:
     ]
 
 
-def fields_at(path: KeyPath, tree: Any) -> dict[str, tuple[str, FieldInfo]]:
+def fields_at(path: KeyPath, tree: Any, catalog: Catalog) -> dict[str, tuple[str, FieldInfo]]:
     """Return the fields of the mapping at ``path``: name in the spec → name, field."""
     owner: type[BaseModel] | None = None
     if path == ():
@@ -127,7 +132,8 @@ def fields_at(path: KeyPath, tree: Any) -> dict[str, tuple[str, FieldInfo]]:
     elif path == ("pressures",):
         owner = PressureRange
     elif len(path) == 2 and path[0] == "models":
-        owner = MODELS.get(lookup(tree, (*path, "kind")))
+        with contextlib.suppress(KeyError, ModelError):
+            owner = catalog.find(str(lookup(tree, (*path, "kind"))))
     fields = owner.model_fields if owner else {}
     return {field.alias or name: (name, field) for name, field in fields.items()}
 
@@ -136,7 +142,7 @@ def _path(loc: tuple[str | int, ...]) -> KeyPath:
     """Leave out the names of union members, which pydantic puts into the location."""
     if loc[:1] in (("surface",), ("pressures",)):
         return loc[:1] + loc[2:]
-    return loc[:2] + loc[3:] if loc[:1] == ("models",) else loc
+    return loc
 
 
 def _wrong_form(path: KeyPath, got: Any) -> Finding:
@@ -145,10 +151,8 @@ def _wrong_form(path: KeyPath, got: Any) -> Finding:
         return Finding(path, f"must be {forms}, got {show(got)}")
     if not isinstance(got, Mapping):
         return Finding(path, f"must be a mapping, got {show(got)}")
-    known = [*(MODELS if path[0] == "models" else SURFACES)]
+    known = [*SURFACES]
     path = (*path, "kind")
-    if "kind" not in got:
-        return Finding(path, f"is missing; known here: {', '.join(known)}", "parent")
     if not isinstance(got["kind"], str):
         return Finding(path, f"must be one of {', '.join(known)}, got {show(got['kind'])}")
     return Finding(path, f"unknown kind {show(got['kind'])}{did_you_mean(got['kind'], known)}")
@@ -162,14 +166,14 @@ def _meant(word: str, fields: Mapping[str, tuple[str, FieldInfo]]) -> str | None
     return candidates[near] if near else None
 
 
-def _known_keys(path: KeyPath, tree: Any) -> str:
-    fields = fields_at(path[:-1], tree)
+def _known_keys(path: KeyPath, tree: Any, catalog: Catalog) -> str:
+    fields = fields_at(path[:-1], tree, catalog)
     near = _meant(str(path[-1]), fields)
     return f" (did you mean {near!r}?)" if near else f"; known here: {', '.join(fields)}"
 
 
-def _description(path: KeyPath, tree: Any) -> str:
-    entry = fields_at(path[:-1], tree).get(str(path[-1]))
+def _description(path: KeyPath, tree: Any, catalog: Catalog) -> str:
+    entry = fields_at(path[:-1], tree, catalog).get(str(path[-1]))
     return f" ({entry[1].description.rstrip('.')})" if entry and entry[1].description else ""
 
 

@@ -7,14 +7,15 @@ import hashlib
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Union
+from typing import Any
 
-from pydantic import BaseModel, Discriminator, Field, PrivateAttr, Tag
+from pydantic import BaseModel, Field, PrivateAttr
 
-from roughbench.models import MODELS
-from roughbench.models.base import MOST_REALIZATIONS, Model
+from roughbench.models.base import MOST_REALIZATIONS
+from roughbench.models.registry import Catalog
 from roughbench.spec import sweep
 from roughbench.spec.fields import Observables, SavedFields
+from roughbench.spec.models import AnyModel, catalog_of
 from roughbench.spec.pressures import Pressures, nearest, values_of
 from roughbench.spec.surfaces import STRICT, Surface
 from roughbench.spec.tree import freeze
@@ -22,21 +23,6 @@ from roughbench.spec.yaml12 import dump
 
 _NOT_COMPUTED = {"name", "sweep"}
 """Keys that the numbers of an experiment do not depend on."""
-
-
-def _model_kind(value: object) -> str | None:
-    kind = value.get("kind") if isinstance(value, dict) else getattr(value, "kind", None)
-    return kind if isinstance(kind, str) or kind is None else repr(kind)
-
-
-if TYPE_CHECKING:
-    AnyModel = Model
-else:
-    AnyModel = Annotated[
-        Union[tuple(Annotated[cls, Tag(kind)] for kind, cls in MODELS.items())],  # noqa: UP007
-        Discriminator(_model_kind),
-    ]
-    """One of the registered contenders, chosen by its kind."""
 
 
 class Spec(BaseModel):
@@ -77,16 +63,18 @@ class Spec(BaseModel):
 
     _text: str | None = PrivateAttr(default=None)
     _folder: Path = PrivateAttr(default=Path())
+    _catalog: Catalog = PrivateAttr(default_factory=Catalog)
 
     def model_post_init(self, context: Any) -> None:
         """Keep the text and the folder of the file that the spec came from."""
         if isinstance(context, dict):
             self._text = context.get("text")
             self._folder = Path(context.get("folder", ""))
+            self._catalog = catalog_of(context)
 
     @property
     def folder(self) -> Path:
-        """Where relative paths of height files start."""
+        """Where relative paths start, of files with heights and with models."""
         return self._folder
 
     @property
@@ -138,10 +126,10 @@ class Spec(BaseModel):
         if not self.sweep:
             return [("main", self)]
         tree = self.as_given()
-        context = {"folder": self._folder}
+        context = {"folder": self._folder, "catalog": self._catalog}
         specs = [
             (variant, Spec.model_validate(freeze(variant.tree), context=context))
-            for variant in sweep.variants(tree)
+            for variant in sweep.variants(tree, self._catalog)
         ]
         names = sweep.names(
             [(variant, spec.model_dump(by_alias=True)) for variant, spec in specs]

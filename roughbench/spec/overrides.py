@@ -6,13 +6,16 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from roughbench.errors import Fault
+from roughbench.models.registry import Catalog
 from roughbench.spec.reading import read_yaml
 from roughbench.spec.tree import KeyPath, KeyPathError, assign, render, resolve
 from roughbench.text import on_one_line
 
+_INSTALLED = Catalog()
+
 
 def apply_overrides(
-    tree: Mapping[str, Any], overrides: Sequence[str]
+    tree: Mapping[str, Any], overrides: Sequence[str], catalog: Catalog = _INSTALLED
 ) -> tuple[Any, dict[KeyPath, str], list[Fault]]:
     """Return the tree with the overrides, which of them set what, and their faults.
 
@@ -23,6 +26,8 @@ def apply_overrides(
     overrides : sequence of str
         Each ``key=value``: a key path such as ``surface.H``, ``models[0].grid`` or
         ``models.bem.grid``, and a YAML value such as ``0.8`` or ``[1.0e-4, 0.1]``.
+    catalog : Catalog
+        Of the models.
 
     Returns
     -------
@@ -46,11 +51,11 @@ def apply_overrides(
             Fault(fault.message, on_one_line(key), source=source) for fault in document.faults
         ]
         try:
-            path = resolve(tree, key.strip())
+            path = resolve(tree, key.strip(), catalog)
         except KeyPathError as error:
             faults.append(Fault(str(error), source=source))
             continue
-        swept = _swept(tree, path)
+        swept = _swept(tree, path, catalog)
         if swept is not None:
             message = f"the sweep varies this; set sweep.{swept}=[...] or sweep={{}} instead"
             faults.append(Fault(message, render(path), source=source))
@@ -61,11 +66,11 @@ def apply_overrides(
     return tree, sources, faults
 
 
-def _swept(tree: Mapping[str, Any], path: KeyPath) -> str | None:
+def _swept(tree: Mapping[str, Any], path: KeyPath, catalog: Catalog) -> str | None:
     sweep = tree.get("sweep")
     for key in sweep if isinstance(sweep, Mapping) else ():
         try:
-            if resolve(tree, key) == path:
+            if resolve(tree, key, catalog) == path:
                 return str(key)
         except KeyPathError:
             continue

@@ -4,10 +4,28 @@ from __future__ import annotations
 
 from typing import Any
 
-from roughbench.models import MODELS
+from pydantic.json_schema import models_json_schema
+
+from roughbench.models.base import Model
+from roughbench.models.registry import declared, kind_of, kinds
 from roughbench.spec.model import Spec
 
 _SCALAR = {"type": ["number", "string", "boolean", "null"]}
+_OF_ALL = Model.model_json_schema()["properties"]
+_IN_A_FILE = {
+    "title": "Model in a file",
+    "description": "A model in a Python file, with the options that its class has.",
+    "type": "object",
+    "required": ["kind"],
+    "properties": {
+        "kind": {
+            "type": "string",
+            "pattern": r"\.py:[A-Za-z_]\w*$",
+            "description": "File, relative to the folder of the spec, and class.",
+        },
+        **{name: _OF_ALL[name] for name in ("label", "realizations")},
+    },
+}
 
 
 def json_schema() -> dict[str, Any]:
@@ -24,15 +42,26 @@ def json_schema() -> dict[str, Any]:
     """
     schema = Spec.model_json_schema(by_alias=True)
     definitions = schema["$defs"]
+    models = [model for kind in kinds() if (model := declared(kind)) is not None]
+    references, found = models_json_schema(
+        [(model, "validation") for model in models], by_alias=True
+    )
+    definitions |= found["$defs"]
+    named = [references[model, "validation"] for model in models]
+    schema["properties"]["models"]["items"] = {"oneOf": [*named, _IN_A_FILE]}
     for part in (schema, *definitions.values()):
         for field in part.get("properties", {}).values():
             field.pop("title", None)
-    for kind, model in MODELS.items():
-        definition = definitions[model.__name__]
+    for model, name in zip(models, named, strict=True):
+        definition = definitions[name["$ref"].rpartition("/")[2]]
+        kind = kind_of(model)
+        if model.page:
+            definition["description"] += f"\n\nSee {model.page}."
         choice = {"const": kind, "type": "string", "description": "Which contender."}
         definition["properties"]["kind"] = choice
         # In a list of models the kind chooses, so that the class's default is none here.
         definition["required"] = ["kind", *{*definition.get("required", ())} - {"kind"}]
+    schema["$defs"] = dict(sorted(definitions.items()))
     schema["properties"]["sweep"]["additionalProperties"] = {
         "type": "array",
         "minItems": 1,

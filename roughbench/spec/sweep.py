@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
+from roughbench.models.registry import Catalog
 from roughbench.spec.tree import (
     Finding,
     KeyPath,
@@ -37,7 +38,7 @@ class Variant(NamedTuple):
     choices: tuple[tuple[str, int, KeyPath], ...]
 
 
-def check(tree: Mapping[str, Any]) -> list[Finding]:
+def check(tree: Mapping[str, Any], catalog: Catalog) -> list[Finding]:
     """Return what is wrong with the sweep itself, whatever its values do."""
     given = tree.get("sweep", {})
     if not isinstance(given, Mapping):
@@ -48,7 +49,7 @@ def check(tree: Mapping[str, Any]) -> list[Finding]:
     targets: dict[KeyPath, str] = {}
     for key, values in given.items():
         try:
-            target = resolve(tree, key)
+            target = resolve(tree, key, catalog)
         except KeyPathError as error:
             findings.append(Finding(("sweep", key), str(error), "key"))
         else:
@@ -83,11 +84,11 @@ def _check_values(key: str, values: object) -> Iterator[Finding]:
             seen.add((isinstance(value, bool), value))
 
 
-def variants(tree: Mapping[str, Any]) -> Iterator[Variant]:
+def variants(tree: Mapping[str, Any], catalog: Catalog) -> Iterator[Variant]:
     """Yield every combination of a sweep without faults, the last key fastest."""
     swept: Mapping[str, Sequence[object]] = tree["sweep"]
     base = {key: value for key, value in tree.items() if key != "sweep"}
-    targets = [resolve(tree, key) for key in swept]
+    targets = [resolve(tree, key, catalog) for key in swept]
     for numbers in itertools.product(*(range(len(values)) for values in swept.values())):
         choices = tuple(zip(swept, numbers, targets, strict=True))
         varied = base

@@ -15,10 +15,12 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from roughbench.models.registry import Catalog
 from roughbench.text import suggestion, unsafe_character
 
 KeyPath = tuple[str | int, ...]
 
+_INSTALLED = Catalog()
 MAX_DEPTH = 16
 MAX_NODES = 50_000
 
@@ -73,10 +75,11 @@ def did_you_mean(word: str, known: Sequence[str]) -> str:
     return f"; known here: {', '.join(known)}" if known else ""
 
 
-def resolve(tree: Mapping[str, Any], text: str) -> KeyPath:
+def resolve(tree: Mapping[str, Any], text: str, catalog: Catalog = _INSTALLED) -> KeyPath:
     """Return the key path that ``text`` stands for; only its last key may be new.
 
-    Models are found by number or by name: ``models[0].gamma``, ``models.persson.gamma``.
+    Models are found by number or by name: ``models[0].gamma``, ``models.persson.gamma``. The
+    catalog knows the kind of a model in a file, which is its name unless it has a label.
 
     Raises
     ------
@@ -93,7 +96,7 @@ def resolve(tree: Mapping[str, Any], text: str) -> KeyPath:
         if not isinstance(tree.get("sweep") or {}, Mapping):
             raise KeyPathError("sweep must map key paths to lists of values")
         return ("sweep", rest)
-    path = _model_by_name(tree, rest) if head == "models" and rest else _parse(text)
+    path = _model_by_name(tree, rest, catalog) if head == "models" and rest else _parse(text)
     node: Any = tree
     for depth, part in enumerate(path):
         here = render(path[:depth]) or "the spec"
@@ -217,12 +220,16 @@ def _parse(text: str) -> KeyPath:
     )
 
 
-def _model_by_name(tree: Mapping[str, Any], rest: str) -> KeyPath:
+def _model_by_name(tree: Mapping[str, Any], rest: str, catalog: Catalog) -> KeyPath:
     """Labels may hold dots, so the longest name that fits wins."""
     models = tree.get("models")
     names: dict[str, int] = {}
     for number, model in enumerate(models if isinstance(models, list) else ()):
-        name = (model.get("label") or model.get("kind")) if isinstance(model, dict) else None
+        if not isinstance(model, dict):
+            continue
+        name, kind = model.get("label"), model.get("kind")
+        if not name and isinstance(kind, str):
+            name = catalog.own_kind(kind)
         if isinstance(name, str):
             names.setdefault(name, number)
     for name in sorted(names, key=len, reverse=True):

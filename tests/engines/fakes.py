@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import roughbench as rb
-from roughbench.models.base import Curve, FloatArray, Model, Sample, State, Status
+from roughbench.models.base import Curve, FloatArray, Model, Needs, Sample, State, Status
 
 Misdeed = Literal[
     "none",
@@ -40,7 +40,7 @@ class StrangeError(Exception):
 class Fake(Model):
     """Area r + p, separation 1, stiffness inf at the last pressure; misbehaves on demand."""
 
-    dimension: ClassVar[int] = 1
+    needs: ClassVar[Needs] = "line"
     title: ClassVar[str] = "Fake"
 
     kind: Literal["fake"] = "fake"
@@ -134,7 +134,7 @@ class Steps(Fake):
 class AtOnce(Model):
     """Area r + p of all pressures at once and, by ``misdeed``, no more, or what is wrong."""
 
-    dimension: ClassVar[int] = 1
+    needs: ClassVar[Needs] = "line"
     title: ClassVar[str] = "Area only"
 
     kind: Literal["at_once"] = "at_once"

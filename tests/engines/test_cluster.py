@@ -21,6 +21,7 @@ from roughbench.runner import Cluster, Progress, driver
 from roughbench.spec import load_spec
 from tests.engines.dask_processes import SPEC, Processes, dask_processes
 from tests.engines.fakes import Fake, Misdeed
+from tests.models.outside import spec_of, write_theory
 
 pytest.importorskip("distributed")
 
@@ -57,6 +58,19 @@ def test_the_bytes_are_those_of_this_machine(processes: Processes, tmp_path: Pat
     rb.run(
         tree, output=there, cluster=Cluster("dask", scheduler="tcp://127.0.0.1:1")
     )  # nothing
+
+
+@pytest.mark.slow
+def test_a_model_in_a_file_travels_with_its_tasks(processes: Processes, tmp_path: Path) -> None:
+    path = write_theory(tmp_path / "specs")
+    tree = spec_of({"kind": f"{path}:Erf09"})
+    spec = load_spec(tree)
+    for file in path.parent.iterdir():  # as on a machine that has no part in this file system
+        file.unlink()
+    there, here = tmp_path / "there.h5", tmp_path / "here.h5"
+    rb.run(spec, output=there, cluster=processes.here)
+    rb.run(spec, output=here, threads=1)
+    assert there.read_bytes() == here.read_bytes()
 
 
 @pytest.mark.slow

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pickle
 import re
 import signal
 import subprocess
@@ -30,7 +31,7 @@ from roughbench.planning.resources import (
 )
 from roughbench.signals import signals_held_back
 from roughbench.spec import load_spec
-from tests.engines.fakes import Fake, Misdeed
+from tests.engines.fakes import Fake, Misdeed, StrangeError
 
 PLENTY = ResourceLimits(jobs=2, given_threads=1, memory=2**50, cores=2)
 
@@ -101,11 +102,16 @@ def test_errors_come_back_with_their_traceback(small_spec: dict[str, Any]) -> No
     assert str(refused.error) == "main/fake: refused"
     assert isinstance(refused.error, rb.SolverError)
     crashed = worked(tasks(small_spec, "crash", 1)).ends.popitem()[1]
-    assert isinstance(crashed.error, ZeroDivisionError)
+    assert isinstance(crashed.error, rb.ModelError)  # of a model that is not roughbench's
+    assert re.fullmatch(
+        r"main/fake: fakes\.py:\d+: ZeroDivisionError: a fault of the model", str(crashed.error)
+    )
     assert "fakes.py" in crashed.trace
     strange = worked(tasks(small_spec, "strange", 1)).ends.popitem()[1]
-    assert isinstance(strange.error, rb.RoughbenchError)
-    assert str(strange.error) == "StrangeError('1 and 2')"
+    assert "StrangeError: 1 and 2" in str(strange.error)
+    foreign = Outcome(error=StrangeError(1, 2)).portable().error
+    # Once Dask has been imported, exceptions of any kind can be pickled.
+    assert "StrangeError('1 and 2')" in repr(pickle.loads(pickle.dumps(foreign)))  # noqa: S301
 
 
 def test_the_task_of_a_dead_worker_is_tried_again(

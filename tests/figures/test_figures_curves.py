@@ -1,4 +1,4 @@
-"""What is drawn of a contender: values, looks and words."""
+"""What is drawn of a contender: values, styles and words."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from roughbench.figures.curves import curve_of, full_contact_pressure
-from roughbench.figures.looks import experiment_shades, looks
+from roughbench.figures.styles import curve_styles, experiment_shades
 from roughbench.figures.labels import experiment_label, height_remark, model_names
 from roughbench.models import MODELS
 from roughbench.report.sources import ReportSource
@@ -70,9 +70,9 @@ def test_one_realization_has_no_error(make: Make) -> None:
     assert full_contact_pressure(curve_of(make(n=1), "stiffness")) is None
 
 
-def test_kinds_have_the_papers_looks(make: Make, collect: Collect) -> None:
+def test_kinds_have_the_papers_styles(make: Make, collect: Collect) -> None:
     results = collect(make("bem"), make("foundation"), make("persson"))
-    chosen = looks(results)
+    chosen = curve_styles(results.models())
     assert (chosen["bem"].marker, chosen["foundation"].marker) == ("s", "")
     assert chosen["foundation"].dashes == ()
     assert chosen["persson"].dashes
@@ -83,7 +83,7 @@ def test_models_of_one_kind_and_new_kinds_are_told_apart(make: Make, collect: Co
     labels = ["bem", "fine", "foundation", "open", "persson", "g1", "winkler", "other"]
     kinds = [kind for kind in ("bem", "foundation", "persson", "winkler") for _ in range(2)]
     models = [make(kind, label=label) for kind, label in zip(kinds, labels, strict=True)]
-    chosen = looks(collect(*models))
+    chosen = curve_styles(collect(*models).models())
     assert len({(look.marker, look.dashes) for look in chosen.values()}) == len(labels)
     assert len({(look.dashes, look.colour) for look in chosen.values()}) >= len(labels) - 1
     names = model_names(collect(*models), ["main"], "area")
@@ -93,7 +93,7 @@ def test_models_of_one_kind_and_new_kinds_are_told_apart(make: Make, collect: Co
 
 def test_all_contenders_and_their_variants_are_told_apart(make: Make, collect: Collect) -> None:
     models = [make(kind, label=f"{kind}{i}") for kind in MODELS for i in range(2)]
-    chosen = looks(collect(*models))
+    chosen = curve_styles(collect(*models).models())
     assert len({(look.marker, look.dashes) for look in chosen.values()}) == len(models)
     one_of_each = {chosen[f"{kind}0"].colour for kind in MODELS}
     assert len(one_of_each) == len(MODELS)
@@ -102,7 +102,7 @@ def test_all_contenders_and_their_variants_are_told_apart(make: Make, collect: C
 def test_figures_and_reports_have_one_colour_for_a_model(make: Make, collect: Collect) -> None:
     models = [make(kind, label=f"{kind}{i}") for kind in MODELS for i in range(2)]
     results = collect(*models)
-    printed, shown = looks(results), page_styles([ReportSource("r.h5", results)])
+    printed, shown = curve_styles(results.models()), page_styles([ReportSource("r.h5", results)])
     assert {name: look.colour for name, look in printed.items()} == {
         name: look.colour for name, look in shown.items()
     }

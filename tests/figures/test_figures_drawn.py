@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 import roughbench as rb
 from roughbench.figures import departures
 from roughbench.figures.curves import curve_of
-from roughbench.figures.looks import experiment_shades, lighter, looks
+from roughbench.figures.styles import curve_styles, experiment_shades, lighter
 from roughbench.figures.pressed import WINDOW, choose_window, press
 from roughbench.figures.spectrum import RINGS_PER_DECADE, realized_spectrum
 from roughbench.figures.style import publication_style
@@ -82,7 +82,7 @@ def test_both_halves_of_fig_3_are_those_of_its_parts(computed: Results, draw: Dr
 def test_the_colour_is_the_models_and_the_shade_the_experiments(
     computed: Results, draw: Draw, name: str
 ) -> None:
-    chosen = looks(computed)
+    chosen = curve_styles(computed.models())
     shades = experiment_shades(list(computed))
     if name == "stiffness":
         shades = dict.fromkeys(computed, 0.0)  # a panel each

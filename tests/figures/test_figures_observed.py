@@ -16,19 +16,19 @@ from numpy.typing import NDArray
 from roughbench import figures
 from roughbench.errors import StoreError
 from roughbench.figures.contact import MOST_GROUPS, ContactMap, contact_maps
-from roughbench.figures.looks import PERSSON, Look, looks
-from roughbench.figures.observed import DECADES, MOST_PANELS, Line, panels
+from roughbench.figures.styles import CurveStyle, curve_styles
+from roughbench.figures.observed import DECADES, MOST_PANELS, THEORY, Line, panels
 from roughbench.figures.style import publication_style
 from roughbench.observables import OBSERVABLES
 from roughbench.results import Results
 
 X = np.geomspace(1.0, 100.0, 5)
-LOOKS = {"A": Look("", (), "#000000", 1), "B": Look("", (3, 1), "#009E73", 1)}
+STYLES = {"A": CurveStyle("", (), "#000000", 1), "B": CurveStyle("", (3, 1), "#009E73", 1)}
 
 
 def line(title: str, scale: float = 1.0, *, theory: bool = False) -> Line:
     y = scale * X**-2.0
-    look = PERSSON if theory else LOOKS[title]
+    look = THEORY if theory else STYLES[title]
     return Line(title, X, y, 0.1 * y, look, is_theory=theory)
 
 
@@ -41,7 +41,7 @@ def legend_words(figure: Figure) -> list[str]:
     return [text.get_text() for legend in figure.legends for text in legend.get_texts()]
 
 
-def test_curves_hold_the_values_and_keep_their_looks() -> None:
+def test_curves_hold_the_values_and_keep_their_styles() -> None:
     with publication_style():
         given = {
             "low": [line("B", 0.01), line("T", theory=True)],
@@ -66,7 +66,7 @@ def test_curves_hold_the_values_and_keep_their_looks() -> None:
 def test_what_a_logarithmic_axis_cannot_show_is_left_out() -> None:
     y = np.array([math.nan, 0.0, 1.0, 1e-9, 2.0])
     with publication_style():
-        figure = drawn(panels({"": [Line("A", X, y, 2 * y, LOOKS["A"])]}, "q", "C"))
+        figure = drawn(panels({"": [Line("A", X, y, 2 * y, STYLES["A"])]}, "q", "C"))
     (axes,) = figure.axes
     (found,) = axes.get_lines()
     np.testing.assert_array_equal(found.get_ydata(), [1.0, 1e-9, 2.0])
@@ -90,7 +90,7 @@ def test_of_many_pressures_four_are_drawn_ends_included(observed: Results) -> No
         found = lines[main[label].title]
         mean = main[label]["pressure_pdf_mean"][-1]
         np.testing.assert_array_equal(found.get_ydata(), mean[mean > 0.0])
-        assert found.get_color() == looks(observed)[label].colour
+        assert found.get_color() == curve_styles(observed.models())[label].colour
 
 
 def test_a_line_stands_for_its_surface(observed: Results) -> None:

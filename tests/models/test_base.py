@@ -15,6 +15,7 @@ from roughbench.models.base import (
     Curve,
     FloatArray,
     Model,
+    Needs,
     Sample,
     State,
     Status,
@@ -25,7 +26,7 @@ NOWHERE = Sample(None, 1.0)
 
 
 class Nothing(Model):
-    dimension: ClassVar[int] = 0
+    needs: ClassVar[Needs] = "spectrum"
     title: ClassVar[str] = "Nothing"
     kind: str = "nothing"
 

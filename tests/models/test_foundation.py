@@ -509,7 +509,7 @@ def test_the_model_computes_the_curve_of_its_ends() -> None:
         assert (curve.status == Status.CONVERGED).all()
         assert curve.status.dtype == np.int32
     assert Foundation().name == "foundation"
-    assert Foundation.dimension == 1
+    assert Foundation().dimension == 1
 
 
 def test_the_springs_must_carry_the_spectrum_unless_told_otherwise() -> None:

@@ -527,7 +527,7 @@ def test_measured_spectra_of_larger_surfaces_tend_to_the_continuum() -> None:
 def test_the_model_has_the_options_of_the_spec() -> None:
     model = Persson()
     assert (model.gamma, model.finite_size, model.theta, model.m) == (0.45, "none", 1.0, 2.0)
-    assert Persson.dimension == 0
+    assert Persson().dimension == 0
     curve = curve_of(model, np.array([1e-3]), CASES["roll-off"])
     assert curve.status.tolist() == [Status.CONVERGED]
     assert curve.status.dtype == np.int32

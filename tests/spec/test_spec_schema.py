@@ -58,7 +58,9 @@ def test_unknown_keys_are_refused_everywhere() -> None:
 def test_every_model_is_chosen_by_its_kind() -> None:
     schema = json_schema()
     choices = schema["properties"]["models"]["items"]["oneOf"]
-    assert choices == [{"$ref": f"#/$defs/{model.__name__}"} for model in MODELS.values()]
+    *named, in_a_file = choices
+    assert named == [{"$ref": f"#/$defs/{model.__name__}"} for model in MODELS.values()]
+    assert in_a_file["properties"]["kind"]["pattern"] == r"\.py:[A-Za-z_]\w*$"
     for kind, model in MODELS.items():
         definition = schema["$defs"][model.__name__]
         assert definition["properties"]["kind"]["const"] == kind
