@@ -15,7 +15,7 @@ MINIMUM := .venv-minimum
 .PHONY: help demo test test-all test-minimum lint smoke fig1 fig2 fig3 fig4 figures paper-fig3 \
 	paper-fig4 paper-bem study study-contenders \
 	study-fields study-size study-rolloff study-below study-hurst study-cutoff \
-	study-resolution compare compare-tamaas faults bench readme-figures dist dist-check \
+	study-resolution compare compare-tamaas outside-model faults bench readme-figures dist dist-check \
 	clean distclean setup setup-dev python
 
 help: ## this list
@@ -106,6 +106,9 @@ lint: setup-dev ## ruff and mypy
 
 smoke: setup ## every command once, on tiny grids
 	PATH="$(CURDIR)/$(BIN):$$PATH" sh scripts/smoke.sh
+
+outside-model: setup ## a model of one's own, from init to the report, in a fresh environment
+	sh scripts/check_outside_model.sh $(BIN)/python
 
 compare: setup ## the models against an independent prototype's numbers
 	$(BIN)/python scripts/compare_reference.py

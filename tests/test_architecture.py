@@ -152,6 +152,7 @@ KINDS_ELSEWHERE = {
     ("figures.agreement", "persson"): "the paper's Fig. 4 compares these two",
     ("figures.pressed", "foundation"): "the paper's Fig. 1 is of this one",
     ("figures.spectrum", "line"): "what a model needs",
+    ("report.observables", "persson"): "the end of a variable's name",
     ("report.tables", "line"): "a word",
     ("cli.tables", "persson"): "the end of a variable's name",
 }

@@ -32,6 +32,7 @@ from roughbench.program import program
 from roughbench.text import on_one_line, printable, suggestion
 
 COMMANDS = (
+    "init",
     "run",
     "status",
     "verify",

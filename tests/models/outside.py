@@ -6,11 +6,10 @@ from pathlib import Path
 from typing import Any
 
 THEORY = '''\
-"""A/A0 = erf(0.9 √2 p/(E* ξ)), with the ū and K of an exponential law."""
+"""A/A0 = erf(0.9 √2 p/(E* ξ)), and nothing else."""
 
 from typing import ClassVar, Literal
 
-import numpy as np
 from scipy.special import erf
 
 import helper
@@ -26,16 +25,9 @@ class Erf09(rb.Model):
     kind: Literal["erf09"] = "erf09"
     factor: float = 0.9
 
-    def curve(self, sample, pressures, **options):
-        slope, height = sample.spectrum.rms_slope, sample.spectrum.rms_height
-        return rb.Curve(
-            pressure=pressures,
-            area=erf(helper.scaled(self.factor) * pressures / slope),
-            separation=height * np.log(1.0 / pressures),
-            stiffness=pressures / height,
-            energy=pressures * height,
-            status=np.zeros(pressures.shape, np.int32),
-        )
+    def curve(self, sample, pressures):
+        scale = helper.scaled(self.factor) / sample.spectrum.rms_slope
+        return rb.Curve(pressure=pressures, area=erf(scale * pressures))
 '''
 HELPER = "import math\n\n\ndef scaled(factor):\n    return factor * math.sqrt(2.0)\n"
 

@@ -110,8 +110,8 @@ def test_a_model_is_carried_to_a_process_without_its_file(tmp_path: Path) -> Non
         ("", "", "mytheory.py:Zzz", r"has no class 'Zzz'; its models: Erf09"),
         ("", "", "mytheory.py", r"must name a class too, as in mytheory\.py:Erf09"),
         ("", "", "mytheory.py:rb", "has no class 'rb'"),
-        ("import helper", "import helpr", REFERENCE, r"mytheory\.py:8: ModuleNotFoundError: "),
-        ("class Erf09", "class class", REFERENCE, r"mytheory\.py:12: invalid syntax"),
+        ("import helper", "import helpr", REFERENCE, r"mytheory\.py:7: ModuleNotFoundError: "),
+        ("class Erf09", "class class", REFERENCE, r"mytheory\.py:11: invalid syntax"),
         ("(rb.Model)", "", REFERENCE, r"mytheory\.py:Erf09 is not a subclass of roughbench"),
         (
             '    kind: Literal["erf09"]',
@@ -125,6 +125,7 @@ def test_a_model_is_carried_to_a_process_without_its_file(tmp_path: Path) -> Non
             REFERENCE,
             "Erf09 lacks title; see docs",
         ),
+        ("def curve", "def curves", REFERENCE, "Erf09 lacks curve, or states; see docs/adding"),
         ('= "spectrum"', '= "heights"', REFERENCE, "needs must be spectrum or line or surface"),
         ("factor: float", "length: float", REFERENCE, "results have an attribute 'length' alr"),
         ('"erf09"] = "erf09"', '"bem"] = "bem"', REFERENCE, "kind 'bem', which roughbench has"),
@@ -138,7 +139,7 @@ def test_a_model_is_carried_to_a_process_without_its_file(tmp_path: Path) -> Non
             "import helper\n",
             "import helper\nraise SystemExit(3)\n",
             REFERENCE,
-            ":9: SystemExit: 3",
+            ":8: SystemExit: 3",
         ),
     ],
 )

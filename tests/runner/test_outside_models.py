@@ -128,7 +128,7 @@ def test_results_are_read_without_the_file(tmp_path: Path) -> None:
     results = rb.run(spec, output=tmp_path / "o.h5", threads=1)
     (tmp_path / "mytheory.py").write_text("raise ZeroDivisionError\n")
     assert spec_fault(results) is None
-    assert {"spectrum", "area", "separation", "stiffness"} <= set(figures.available(results))
+    assert {"spectrum", "area", "separation"} <= set(figures.available(results))
     text = make_report([tmp_path / "o.h5"], resamples=10)
     assert "Erf 0.9" in text
     assert "is in the spec, but not in the file" not in text
