@@ -71,7 +71,9 @@ def _model_lines(result: ModelResult) -> Iterator[str]:
     many = "s" * (result.n_realizations > 1)
     yield f"{result.label}: {result.title}, {result.n_realizations} realization{many}"
     yield from _listed({k: v for k, v in result.attributes.items() if k not in _NOT_OPTIONS})
-    shown = [one for one in compared().values() if one.is_expected or one.name in result]
+    shown = [
+        one for one in compared().values() if one.is_expected or f"{one.name}_mean" in result
+    ]
     headings = (f"  {plain(quantity.scaled):^20}" for quantity in shown)
     yield f"{plain(PRESSURE.scaled):>10}{''.join(headings)}    n"
     columns = [_column(result, quantity) for quantity in shown]
@@ -95,7 +97,7 @@ def _listed(values: dict[str, Attribute]) -> list[str]:
 
 def _column(result: ModelResult, quantity: Quantity) -> list[str]:
     """Return the means of a quantity with their errors, a text for each pressure."""
-    if quantity.name not in result:
+    if f"{quantity.name}_mean" not in result:
         return ["not given"] * len(result["pressure"])
     unit = quantity.unit(float(result.attributes["rms_height"]))
     mean, sem = (result[f"{quantity.name}_{kind}"] / unit for kind in ("mean", "sem"))
