@@ -138,6 +138,8 @@ def _departures(source: ReportSource, ranges: Sequence[Table], reference: str) -
 
 
 def _range(cells: Sequence[Cell]) -> TableCell:
+    if not all(cell.estimate.is_given for cell in cells):
+        return "not given"
     if not all(math.isfinite(cell.estimate.value) for cell in cells):
         return "nowhere"
     start, end = map(_cell, cells)
@@ -145,6 +147,8 @@ def _range(cells: Sequence[Cell]) -> TableCell:
 
 
 def _cell(cell: Cell) -> str:
+    if not cell.estimate.is_given:
+        return "not given"
     error = math.nan if cell.bound else cell.estimate.error
     return measured(cell.estimate.value, error, cell.bound)
 
