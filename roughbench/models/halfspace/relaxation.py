@@ -150,11 +150,11 @@ class _StepSearch:
                 n_free, sum_z = team.sum(
                     vectors.use_residual,
                     space.tile_blocks,
-                    *(w.tile_size, w.vectors, number(1), number(alpha)),
+                    *(w.tile_size, space.vectors, number(1), number(alpha)),
                 )
                 shift = sum_z / n_free
                 tau *= 0.25
-            trial, _ = space.update_direction(alpha, beta, shift, tau)
+            trial = space.update_direction(alpha, beta, shift, tau)
             for _ in range(8):
                 if not 0.0 < trial < math.inf:
                     return None
@@ -175,19 +175,20 @@ class _StepSearch:
                         length = min(exact, LONGEST_STEP, *reach)
                     return length, (sum_r + length * sum_y) / n_contact
                 tau *= exact
-                trial, _ = team.sum(
+                loads = team.run(
                     vectors.trial_load, space.tile_blocks, w.tile_size, w.p, w.d, number(tau)
                 )
+                trial = sum(loads)
         return None
 
     def _try(self, alpha: float, tau: float, scale: float) -> tuple[float, float]:
         """Set s, and the field to it where G takes transforms; Σsρ and the points lost."""
         space = self._space
-        number, w = space.dtype.type, space.points
+        number = space.dtype.type
         slope, clipped = space.team.sum(
             relaxation.trial_step,
             space.blocks,
-            *(w.tiling, w.vectors, space.coarse.count),
+            *(space.tiling, space.vectors, space.coarse.count),
             *(space.operator.field, space.direct is None),
             *(number(alpha), number(tau), number(scale)),
         )

@@ -36,6 +36,7 @@ class Workspace:
         self.operator = HalfSpaceOperator(shape, dtype, team)
         self.coarse = CoarseSolver(shape, dtype)
         self.weights = stiffness_stencil(shape, dtype)
+        self._one = self.dtype.type(1)
         self.scratch = np.zeros((shape[0] + 2, shape[1] + 2), dtype)
         # The direct sum where it may be used, and where it is used in this iteration.
         self._available: DirectOperator | None = None
@@ -49,13 +50,14 @@ class Workspace:
         self._available = direct
         self.choose_operator(points.n_contact)
         points.open_vectors()
+        self.tiling, self.vectors = points.tiling, points.vectors
 
     def close(self) -> None:
         """Leave the working set with its pressures alone."""
         self.team.run(tiles.clear, self.blocks, self.points.tiling, self.scratch)
         self.points.keep_pressure()
         self._available = self.direct = None
-        del self.points
+        del self.points, self.vectors
 
     def choose_operator(self, n_sources: int) -> None:
         """Sum directly over this many points, or transform: whichever is cheaper."""
@@ -66,42 +68,39 @@ class Workspace:
     def advance(self, alpha: float, p_length: float, r_length: float) -> list[Any]:
         """p += length·s, r += length·y; returns what :func:`.relaxation.advance` returns."""
         number = self.dtype.type
-        w = self.points
         return self.team.run(
             relaxation.advance,
             self.blocks,
-            *(w.tiling, w.vectors, (self.coarse.count, self.coarse.force), self.scratch),
-            *(number(1), number(alpha), number(p_length), number(r_length)),
+            *(self.tiling, self.vectors, (self.coarse.count, self.coarse.force)),
+            *(self.scratch, self._one, number(alpha), number(p_length), number(r_length)),
         )
 
     def precondition(self, alpha: float) -> NDArray[np.float64]:
         """s = M ρ on free points; returns the sums of :func:`.relaxation.precondition`."""
         tiles.wrap_halo(self.scratch)
         cells = self.coarse.count, self.coarse.solve()
-        w = self.points
         return self.team.sum(
             relaxation.precondition,
             self.blocks,
-            *(w.tiling, w.vectors, cells, self.scratch, self.weights, self.dtype.type(alpha)),
+            *(self.tiling, self.vectors, cells, self.scratch, self.weights),
+            self.dtype.type(alpha),
         )
 
-    def update_direction(
-        self, alpha: float, beta: float, shift: float, tau: float
-    ) -> NDArray[np.float64]:
+    def update_direction(self, alpha: float, beta: float, shift: float, tau: float) -> float:
         """d ← −s + βd + shift on free points; returns Σ of the loads of the tiles at p + τd."""
         number = self.dtype.type
-        return self.team.sum(
+        loads = self.team.run(
             relaxation.update_direction,
             self.blocks,
-            *(self.points.tiling, self.points.vectors, self.coarse.count),
+            *(self.tiling, self.vectors, self.coarse.count),
             *(number(alpha), number(beta), number(shift), number(tau)),
         )
+        return float(sum(loads))
 
     def image(self, x: NDArray[Any]) -> NDArray[np.float64]:
         """y = G x on the tiles; returns Σxy, and over the contact its size, Σr and Σy."""
         if self.direct is None:
-            tiling = self.points.tiling
-            self.team.run(tiles.scatter, self.blocks, tiling, x, self.operator.field)
+            self.team.run(tiles.scatter, self.blocks, self.tiling, x, self.operator.field)
         return self._image(x)
 
     def image_of_step(self) -> NDArray[np.float64]:
@@ -117,12 +116,6 @@ class Workspace:
         return self.team.sum(
             relaxation.gather_step,
             self.blocks,
-            *(
-                w.tiling,
-                w.vectors,
-                x,
-                self.operator.field,
-                self.direct is None,
-                self.dtype.type(1),
-            ),
+            *(self.tiling, self.vectors, x),
+            *(self.operator.field, self.direct is None, self._one),
         )

@@ -211,7 +211,7 @@ def update_direction(a, b, tiling, vectors, count, alpha, beta, shift, tau):
                 d_here[k] = value
                 load += p_here[k] + tau * value
             total += max(load, zero)
-    return total, 0.0
+    return total
 
 
 @loop

@@ -89,7 +89,7 @@ def trial_load(a, b, size, p, d, tau):
         for k in range(size):
             load += p_here[k] + tau * d_here[k]
         total += max(load, zero)
-    return total, 0.0
+    return total
 
 
 @loop
