@@ -1,10 +1,10 @@
 # roughbench: `make help` lists what there is.
 #
-# Every target that needs Python sets up .venv first (scripts/bootstrap.py): nothing has
-# to be installed by hand, and it happens again only when pyproject.toml changes.
+# Every target that needs Python sets up .venv first: nothing has to be installed by hand,
+# and it happens again only when pyproject.toml changes.
 
 PYTHON ?= $(shell for python in python3 python3.13 python3.12 python3.11 python3.14; do \
-	$$python -c 'import sys; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
+	$$python -c 'import ensurepip, sys; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 JOBS ?= $(shell nproc 2>/dev/null || echo 1)
 BIN := .venv/bin
@@ -138,15 +138,24 @@ dist-check: dist ## both of them, each in a fresh environment
 
 ## -- setting up ------------------------------------------------------------------------
 
-setup: python
-	@$(PYTHON) scripts/bootstrap.py
+setup: python .venv/ready
+setup-dev: python .venv/ready-dev
 
-setup-dev: python
-	@$(PYTHON) scripts/bootstrap.py dev
+.venv/bin/python: | python
+	$(PYTHON) -m venv --clear .venv
+
+.venv/ready: pyproject.toml | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	@touch $@
+
+.venv/ready-dev: .venv/ready
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	@touch $@
 
 python:
-	@test -n "$(PYTHON)" || { echo "error: no Python 3.11 or newer found; install one, or" \
-		"name it: make PYTHON=/path/to/python3 ..." >&2; exit 1; }
+	@test -n "$(PYTHON)" || { echo "error: no Python 3.11 or newer with venv found; install one" \
+		"(Debian: apt-get install python3-venv), or name it: make PYTHON=/path/to/python3 ..." \
+		>&2; exit 1; }
 
 clean: ## remove results, figures, caches and builds
 	rm -rf results figures build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -26,9 +26,10 @@ from _machine import describe_machine
 from numpy.typing import NDArray
 
 from roughbench.models.base import CompleteCurve
-from roughbench.models.halfspace import loops, solver
+from roughbench.models.halfspace import evaluation
 from roughbench.models.halfspace.contact import solve_curve, solve_states
 from roughbench.models.halfspace.operator import HalfSpaceOperator
+from roughbench.models.halfspace.threads import ThreadTeam
 from roughbench.spectrum import self_affine
 from roughbench.surface import make_surface, realization_generator
 from roughbench.transform import RealTransform
@@ -93,7 +94,7 @@ def curves(sizes: list[int], threads: list[int], rounds: int) -> list[dict[str, 
         for n in sizes:
             heights = rough(n, points_per_wave)
             for count in threads:
-                HalfSpaceOperator((n, n), np.float32, loops.Team(count))  # plan beforehand
+                HalfSpaceOperator((n, n), np.float32, ThreadTeam(count))  # plan beforehand
                 times, floors, shares = [], [], []
                 for _ in range(rounds):
                     pair = pair_seconds(n, count)
@@ -136,14 +137,14 @@ def low_loads(n: int, threads: int, rounds: int) -> None:
         "| worst complementarity | largest difference of ū/h, A/A0 |"
     )
     print("|" + "-|" * 8)
-    few = solver.FEW
+    usual = evaluation.DIRECT_SUM_MAX_FRACTION
     for points_per_wave in (4, 2):
         heights = rough(n, points_per_wave)
-        times: dict[float, list[list[float]]] = {few: [], 0.0: []}
+        times: dict[float, list[list[float]]] = {usual: [], 0.0: []}
         answers = {}
         for _ in range(rounds):
             for share, runs in times.items():
-                solver.FEW = share
+                evaluation.DIRECT_SUM_MAX_FRACTION = share
                 ends: list[float] = [time.perf_counter()]
                 loads = [LOW_LOADS[0] / 2, *LOW_LOADS]  # the first has the start-up in it
                 states = []
@@ -152,7 +153,7 @@ def low_loads(n: int, threads: int, rounds: int) -> None:
                     states.append(state)
                 answers[share] = CompleteCurve.from_states(states, np.array(loads))
                 runs.append(list(np.diff(ends)[1:]))
-        solver.FEW = few
+        evaluation.DIRECT_SUM_MAX_FRACTION = usual
         direct, grid = (np.median(runs, axis=0) for runs in times.values())
         one, other = answers.values()
         assert one.diagnostics is not None

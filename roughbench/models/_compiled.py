@@ -12,7 +12,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -31,11 +31,16 @@ _FORMAT = 1
 _DIGEST = hashlib.sha256
 
 
-def compiled(**options: Any) -> Callable[[Callable[..., Any]], Any]:
+def compiled(
+    *, sources: Sequence[Path] = (), **options: Any
+) -> Callable[[Callable[..., Any]], Any]:
     """Return a decorator that compiles a function on its first call, and keeps it.
 
     Parameters
     ----------
+    sources : sequence of Path
+        Modules, beside that of the function, whose constants and inlined functions are
+        compiled into it: where one has changed, it is compiled again.
     **options
         Of :func:`numba.njit`, without ``cache``.
     """
@@ -43,7 +48,7 @@ def compiled(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     def decorate(function: Callable[..., Any]) -> Any:
         dispatcher = numba.njit(**options)(function)
         with contextlib.suppress(Exception):  # no place for files, or another Numba
-            dispatcher._cache = _CheckedCache(function)  # noqa: SLF001  (as enable_caching does)
+            dispatcher._cache = _CheckedCache(function, sources)  # noqa: SLF001  (as Numba)
         return dispatcher
 
     return decorate
@@ -52,13 +57,17 @@ def compiled(**options: Any) -> Callable[[Callable[..., Any]], Any]:
 class _CheckedCache(FunctionCache):  # type: ignore[misc]
     """Numba's cache of one function, with files that are checked; trouble means: compile."""
 
-    def __init__(self, function: Callable[..., Any]) -> None:
+    def __init__(self, function: Callable[..., Any], sources: Sequence[Path]) -> None:
         super().__init__(function)
         implementation = self._impl
+        states = [path.stat() for path in sources]
         self._cache_file = _CheckedFiles(
             Path(self.cache_path),
             implementation.filename_base,
-            (_FORMAT, numba.__version__, implementation.locator.get_source_stamp()),
+            (
+                *(_FORMAT, numba.__version__, implementation.locator.get_source_stamp()),
+                *((state.st_mtime, state.st_size) for state in states),
+            ),
         )
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:

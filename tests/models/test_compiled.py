@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import importlib.util
 import os
 import subprocess
@@ -124,6 +125,32 @@ def test_files_of_another_source_are_not_used(folder: Path) -> None:
         return loop(3), hits(loop)
 
     assert [computed("2"), computed("2"), computed("3")] == [(6, 0), (6, 1), (9, 0)]
+
+
+def test_files_are_of_all_named_sources(folder: Path) -> None:
+    """What other modules give to a loop is compiled into it."""
+    constants = folder / "constants.py"
+    found = []
+    for text in ("A = 2", "A = 2", "A = 33"):
+        if not constants.exists() or constants.read_text() != text:
+            constants.write_text(text)
+        loop = compiled(sources=[constants])(twice)
+        found.append((loop(3), hits(loop)))
+    assert found == [(7, 0), (7, 1), (7, 0)]
+
+
+def test_the_solvers_loops_name_all_their_sources() -> None:
+    """They take nothing of the package but from the module that their decorator names."""
+    folder = Path(rb.__file__).parent / "models" / "halfspace" / "loops"
+    modules = [path for path in folder.glob("*.py") if path.name != "__init__.py"]
+    assert len(modules) > 2
+    for path in modules:
+        names = [
+            node.module
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("roughbench")
+        ]
+        assert names == ["roughbench.models.halfspace.loops"], path.name
 
 
 def test_without_a_place_for_files(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -1,9 +1,11 @@
 """The exact contender: a hard rough wall pressed against a periodic elastic half-space.
 
-``contact`` holds the public functions, ``solver`` the outer loop and the certificate,
-``relaxation`` the inner one, ``preconditioner`` its second level, ``operator`` the
-elasticity, ``loops`` and :mod:`roughbench.transform` the array work; ``options`` those that
-it shares with :mod:`roughbench.models.line`.
+``contact`` holds the public functions and ``solver`` the outer loop, with ``start`` for where
+it begins, ``evaluation`` for the gap that a pressure leads to, and ``certificate`` for when
+that counts as solved. ``relaxation`` is the inner loop, ``tangent`` the stiffness, both on a
+``workspace``: ``operator`` or ``direct`` for the elasticity, and ``preconditioner``.
+``loops``, run by ``threads``, and :mod:`roughbench.transform` do the array work; ``options``
+are those that it shares with :mod:`roughbench.models.line`.
 """
 
 from __future__ import annotations

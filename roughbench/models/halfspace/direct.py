@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.models.halfspace import loops
 from roughbench.models.halfspace.loops import TILE
+from roughbench.models.halfspace.loops import tiles as loops
 from roughbench.models.halfspace.operator import HalfSpaceOperator
 from roughbench.models.halfspace.working_set import WorkingSet, tile_height
 
@@ -48,7 +48,7 @@ class DirectOperator:
             strip[:] = response[: n // 2 + 1, wanted]
         self._tables = {np.dtype(np.float64): double}
 
-    def pays(self, n_sources: int, n_tiles: int) -> bool:
+    def is_cheaper(self, n_sources: int, n_tiles: int) -> bool:
         """Whether this sum is cheaper than a transform pair, from a count of operations.
 
         At 4096² points the two break even at 1.7e8 products (2 threads, float32).
@@ -73,8 +73,8 @@ class DirectOperator:
         self.team.run(
             loops.direct_sum,
             blocks,
-            targets.height,
-            *targets.corners,
-            *(tops[tile] + row, lefts[tile] + column, x[loaded]),
-            *(*self.shape, self._shift, table, u),
+            *(targets.height, targets.corners),
+            (tops[tile] + row, lefts[tile] + column, x[loaded]),
+            (*self.shape, self._shift),
+            *(table, u),
         )

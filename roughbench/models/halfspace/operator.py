@@ -12,7 +12,8 @@ import math
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from roughbench.models.halfspace import loops
+from roughbench.models.halfspace.loops import gap
+from roughbench.models.halfspace.threads import ThreadTeam
 from roughbench.transform import RealTransform
 
 FloatArray = NDArray[np.float64]
@@ -27,11 +28,11 @@ class HalfSpaceOperator:
         Grid; (1, m) is a line on a half-plane.
     dtype : dtype
         float32 or float64: precision of the transforms.
-    team : Team
+    team : ThreadTeam
         Threads of the loops and transforms.
     """
 
-    def __init__(self, shape: tuple[int, int], dtype: DTypeLike, team: loops.Team) -> None:
+    def __init__(self, shape: tuple[int, int], dtype: DTypeLike, team: ThreadTeam) -> None:
         self.transform = RealTransform(shape, dtype, team.threads)
         self.team = team
         self.pairs = 0
@@ -68,7 +69,7 @@ class HalfSpaceOperator:
     def _apply(self, factor: np.floating, exponent: int) -> None:
         self.transform.forward()
         self.team.run(
-            loops.multiply_by_kernel,
+            gap.multiply_by_kernel,
             self._blocks,
             self.transform.spectral,
             self._qy_squared,

@@ -34,7 +34,7 @@ from roughbench.models.halfspace.operator import kernel_on
 from roughbench.models.halfspace.working_set import WorkingSet, tile_grid, tile_height
 from roughbench.transform import RealTransform
 
-FEW_ITERATIONS = 6
+MATRIX_ITERATIONS = 6
 """On few tiles, where the problem is a small matrix and preconditioned by its diagonal."""
 
 COARSE_ITERATIONS, COARSE_ITERATIONS_LINE = 2, 16
@@ -44,14 +44,14 @@ iterations with 2, 4, 8, 16 and 32 (2^16 points, p = 0.01 E*)."""
 
 
 @dataclass(frozen=True, slots=True)
-class _Few:
-    """Places of few tiles among the cells, and the kernel between them as a matrix."""
+class _CellMatrix:
+    """Kernel between few tiles as a matrix, and the places of these among the cells."""
 
     place: tuple[NDArray[np.int64], NDArray[np.int32]]
     kernel: NDArray[Any]
 
 
-class CellSolver:
+class CoarseSolver:
     """Solves (N G_c N + D) y = f for the pressure y of the cells, which are the tiles.
 
     Parameters
@@ -71,8 +71,8 @@ class CellSolver:
         cells = tile_grid(shape)
         self.count, self.force = np.zeros(cells, dtype), np.zeros(cells, dtype)
         self._transform = RealTransform(cells, dtype, threads=1)
-        self._few: _Few | None = None
-        self._few_max = math.isqrt(shape[0] * shape[1] // 16)
+        self._matrix: _CellMatrix | None = None
+        self._matrix_max = math.isqrt(shape[0] * shape[1] // 16)
         self._iterations = COARSE_ITERATIONS_LINE if shape[0] == 1 else COARSE_ITERATIONS
         self._tables((tile_height(shape), TILE), cells)
 
@@ -100,16 +100,16 @@ class CellSolver:
         self._excess = excess.astype(self.count.dtype)
         self._kernel = (self._kernel / n_cells).astype(self.count.dtype)
 
-    def open(self, points: WorkingSet, *, few: bool) -> None:
-        """Start on the tiles of a working set; with ``few``, by a matrix between them.
+    def open(self, points: WorkingSet, *, dense: bool) -> None:
+        """Start on the tiles of a working set; with ``dense``, by a matrix between them.
 
         Not where so many tiles are in it that the matrix would take more than a sixteenth
         of the memory of a field, and its products longer than transforms of the cells.
         """
         self.count[:] = 0
         self.force[:] = 0
-        self._few = None
-        if few and points.tiles.size <= self._few_max:
+        self._matrix = None
+        if dense and points.tiles.size <= self._matrix_max:
             place = points.places
             unit = np.zeros_like(self.force)
             unit[0, 0] = 1
@@ -117,12 +117,12 @@ class CellSolver:
             (rows, columns), (n, m) = place, kernel.shape
             row_offsets = (rows[:, None] - rows) % n
             column_offsets = (columns[:, None] - columns) % m
-            self._few = _Few(place, kernel[row_offsets, column_offsets])
+            self._matrix = _CellMatrix(place, kernel[row_offsets, column_offsets])
 
     def solve(self) -> NDArray[Any]:
         """Return y, shape of the cells; zero in cells without free points."""
-        if self._few is not None:
-            return self._solve_few(self._few)
+        if self._matrix is not None:
+            return self._solve_by_matrix(self._matrix)
         occupied = self.count > 0
         index = np.minimum(self.count, self._excess.size - 1).astype(np.intp)
         excess = self._excess[index]
@@ -159,9 +159,9 @@ class CellSolver:
             direction = z + residual.dtype.type(power / previous) * direction
         return y
 
-    def _solve_few(self, few: _Few) -> NDArray[Any]:
+    def _solve_by_matrix(self, matrix: _CellMatrix) -> NDArray[Any]:
         """As :meth:`solve`, on the tiles of the working set alone."""
-        count, force = self.count[few.place], self.force[few.place]
+        count, force = self.count[matrix.place], self.force[matrix.place]
         excess = self._excess[np.minimum(count, self._excess.size - 1).astype(np.intp)]
         diagonal = excess + count**2 * self.count.dtype.type(self._self_compliance)
         scale = np.where(count > 0, 1.0 / diagonal, 0.0).astype(force.dtype)
@@ -169,14 +169,14 @@ class CellSolver:
         residual = force
         direction = y
         previous = math.inf
-        for _ in range(FEW_ITERATIONS):
+        for _ in range(MATRIX_ITERATIONS):
             z = scale * residual
             power = _dot(z, residual)
             if not power > 0.0:
                 break
             direction = z + force.dtype.type(power / previous) * direction
             image = (
-                count * (np.einsum("ij,j->i", few.kernel, count * direction))
+                count * (np.einsum("ij,j->i", matrix.kernel, count * direction))
                 + excess * direction
             )
             curvature = _dot(direction, image)
@@ -187,7 +187,7 @@ class CellSolver:
             residual = residual - length * image
             previous = power
         result = np.zeros_like(self.force)
-        result[few.place] = y
+        result[matrix.place] = y
         return result
 
     def _multiply(self, values: NDArray[Any], multiplier: NDArray[Any]) -> NDArray[Any]:

@@ -60,18 +60,18 @@ class WorkingSet:
 
     @classmethod
     def on(
-        cls, shape: tuple[int, int], chosen: NDArray[np.uint8], dtype: DTypeLike
+        cls, shape: tuple[int, int], marked: NDArray[np.uint8], dtype: DTypeLike
     ) -> WorkingSet:
-        """Tiles where ``chosen`` (shape of the tiles) is set; p and r unset, no workspace."""
-        rows = np.zeros(chosen.shape[0] + 1, np.int64)
-        np.cumsum(np.count_nonzero(chosen, axis=1), out=rows[1:])
-        tiles = np.nonzero(chosen)[1].astype(np.int32)
+        """Tiles where ``marked`` (shape of the tiles) is set; p and r unset, no workspace."""
+        rows = np.zeros(marked.shape[0] + 1, np.int64)
+        np.cumsum(np.count_nonzero(marked, axis=1), out=rows[1:])
+        tiles = np.nonzero(marked)[1].astype(np.int32)
         n = tiles.size * tile_height(shape) * TILE
         p, r = _vector(n, dtype), _vector(n, dtype)
         none = np.empty(0, dtype)
         return cls(tile_height(shape), rows, tiles, p, r, none, none, none)
 
-    def open_workspace(self) -> None:
+    def open_vectors(self) -> None:
         """Set d, s and y to zero, and make room for them and r where there is none."""
         if self.r.size != self.p.size:
             self.r = _vector(self.p.size, self.p.dtype)
@@ -107,9 +107,14 @@ class WorkingSet:
         self.r = self.d = self.s = self.y = np.empty(0, self.p.dtype)
 
     @property
-    def layout(self) -> tuple[int, NDArray[np.int64], NDArray[np.int32]]:
-        """What the loops that address tiles take first."""
+    def tiling(self) -> tuple[int, NDArray[np.int64], NDArray[np.int32]]:
+        """Height, rows and tiles, for the loops."""
         return self.height, self.rows, self.tiles
+
+    @property
+    def vectors(self) -> tuple[NDArray[Any], ...]:
+        """p, r, d, s and y, for the loops."""
+        return self.p, self.r, self.d, self.s, self.y
 
     @property
     def places(self) -> tuple[NDArray[np.int64], NDArray[np.int32]]:

@@ -64,7 +64,7 @@ def test_vectors_of_few_tiles_lie_apart() -> None:
         chosen = np.ones((1, tiles), np.uint8)
         sets = [WorkingSet.on((1, 8 * tiles), chosen, np.float32) for _ in range(4)]
         for points in sets:
-            points.open_workspace()
+            points.open_vectors()
             vectors = (points.p, points.r, points.d, points.s, points.y)
             places = np.sort([vector.ctypes.data for vector in vectors])
             assert np.diff(places).min() >= 512

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from roughbench.models.halfspace import loops, solver
+from roughbench.models.halfspace import evaluation
 from roughbench.models.halfspace.contact import solve_contact, solve_curve
 from roughbench.models.halfspace.direct import DirectOperator
+from roughbench.models.halfspace.loops import TILE
 from roughbench.models.halfspace.operator import HalfSpaceOperator
 from roughbench.models.halfspace.options import Precision
+from roughbench.models.halfspace.threads import ThreadTeam
 from roughbench.models.halfspace.working_set import WorkingSet, tile_grid
 
 if TYPE_CHECKING:
@@ -27,8 +29,8 @@ def on_tiles(field: np.ndarray, chosen: np.ndarray, dtype: type) -> WorkingSet:
     n, m = field.shape
     tops, lefts = points.corners
     for tile, (top, left) in enumerate(zip(tops, lefts, strict=True)):
-        block: np.ndarray = np.zeros((points.height, loops.TILE), dtype)
-        part = field[top : top + points.height, left : left + loops.TILE]
+        block: np.ndarray = np.zeros((points.height, TILE), dtype)
+        part = field[top : top + points.height, left : left + TILE]
         block[: part.shape[0], : part.shape[1]] = part
         points.p.reshape(-1, points.tile_size)[tile] = block.ravel()
     assert n * m >= np.count_nonzero(points.p)
@@ -46,7 +48,7 @@ def test_it_is_the_operator(
     *, shape: tuple[int, int], dtype: type, error: float, threads: int, rng: np.random.Generator
 ) -> None:
     """Any grid, tiles that reach beyond it, neighbours across the periodic edge."""
-    operator = HalfSpaceOperator(shape, np.float64, loops.Team(threads))
+    operator = HalfSpaceOperator(shape, np.float64, ThreadTeam(threads))
     direct = DirectOperator(operator)
     tiles = tile_grid(shape)
     pressure = np.where(rng.random(shape) < 0.3, rng.random(shape), 0.0)
@@ -59,9 +61,9 @@ def test_it_is_the_operator(
     operator.field[...] = 0.0
     n, m = shape
     for top, left, block in zip(
-        *sources.corners, sources.p.reshape(-1, sources.height, loops.TILE), strict=True
+        *sources.corners, sources.p.reshape(-1, sources.height, TILE), strict=True
     ):
-        operator.field[top : top + sources.height, left : left + loops.TILE] = block[
+        operator.field[top : top + sources.height, left : left + TILE] = block[
             : n - top, : m - left
         ]
     operator.displace()
@@ -71,8 +73,8 @@ def test_it_is_the_operator(
 
 
 def test_no_displacement_is_lower_than_the_bound(rng: np.random.Generator) -> None:
-    """What the survey leaves out rests on this bound."""
-    operator = HalfSpaceOperator((48, 40), np.float64, loops.Team(1))
+    """What the evaluation leaves out rests on this bound."""
+    operator = HalfSpaceOperator((48, 40), np.float64, ThreadTeam(1))
     lowest = DirectOperator(operator).lowest
     for share in (0.002, 0.05, 1.0):
         pressure = np.where(rng.random((48, 40)) < share, rng.random((48, 40)), 0.0)
@@ -89,7 +91,7 @@ def test_same_states_as_with_transforms(
     heights = rough(256, per_wave=4.0, q_rolloff=2.0)[: shape[0], : shape[1]]
     loads = np.geomspace(1e-7, 3e-5, 6)
     sums = solve_curve(heights, loads, length=CELL, precision=precision, tolerance=1e-9)
-    monkeypatch.setattr(solver, "FEW", 0.0)
+    monkeypatch.setattr(evaluation, "DIRECT_SUM_MAX_FRACTION", 0.0)
     transforms = solve_curve(heights, loads, length=CELL, precision=precision, tolerance=1e-9)
     assert (sums.status == 0).all()
     assert sums.diagnostics is not None
@@ -102,7 +104,7 @@ def test_same_states_as_with_transforms(
 
 
 def test_certificate_holds_on_all_points(rough: Rough, reference: type[Reference]) -> None:
-    """Also on those that the survey left out: held against a gap computed everywhere."""
+    """Also on those that the evaluation left out: held against a gap computed everywhere."""
     heights = rough(128, per_wave=4.0, q_rolloff=2.0)
     own = reference(heights, length=CELL)
     for pressure in (1e-8, 1e-6, 1e-5):

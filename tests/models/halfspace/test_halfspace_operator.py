@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from roughbench.models.halfspace import loops
 from roughbench.models.halfspace.operator import HalfSpaceOperator
+from roughbench.models.halfspace.threads import ThreadTeam
 
 if TYPE_CHECKING:
     from tests.models.halfspace.conftest import Reference
@@ -20,7 +20,7 @@ SHAPES = [(1, 2), (1, 3), (1, 16), (1, 17), (2, 2), (3, 3), (4, 6), (7, 4), (5, 
 def make_operator(
     shape: tuple[int, int], dtype: type = np.float64, threads: int = 1
 ) -> HalfSpaceOperator:
-    return HalfSpaceOperator(shape, dtype, loops.Team(threads))
+    return HalfSpaceOperator(shape, dtype, ThreadTeam(threads))
 
 
 def flat_or_line(values: np.ndarray) -> np.ndarray:

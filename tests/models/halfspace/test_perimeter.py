@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 import roughbench as rb
 from roughbench.errors import SolverError
 from roughbench.models.halfspace.contact import ContactState, solve_contact, solve_curve
-from roughbench.models.halfspace.solver import PERIMETER_FACTOR
+from roughbench.models.halfspace.perimeter import PERIMETER_FACTOR
 from roughbench.spec import Spec, load_spec
 
 if TYPE_CHECKING:
