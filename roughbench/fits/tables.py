@@ -6,27 +6,11 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from roughbench.fits.comparisons import COMPARISONS, PERCENTS, Comparison
 from roughbench.fits.resampling import MISSING, Estimate
 
-PERCENTS = (10, 50)
-QUANTITIES = ("area", "separation", "stiffness")
-_WORDS = {"area": "A/A0", "separation": "ū", "stiffness": "K"}
-
-
-@dataclass(frozen=True, slots=True)
-class Cell:
-    """One number of a table.
-
-    Attributes
-    ----------
-    estimate : Estimate
-        nan where the criterion is met nowhere, or the model does not give the quantity.
-    bound : str
-        "≤" or "≥" where the number is a bound only, else "".
-    """
-
-    estimate: Estimate
-    bound: str = ""
+_SYMBOLS = {"area": "A/A0", "separation": "ū", "stiffness": "K"}
+_IN_OWN_UNITS = {"area": "A/A0", "separation": "ū/h_rms", "stiffness": "K h_rms"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,13 +23,13 @@ class Table:
         What they are about; may be empty.
     headings : tuple of str
         Of the columns.
-    rows : mapping of str to tuple of Cell
+    rows : mapping of str to tuple of Estimate
         By label of the model.
     """
 
     title: str
     headings: tuple[str, ...]
-    rows: Mapping[str, tuple[Cell, ...]]
+    rows: Mapping[str, tuple[Estimate, ...]]
 
 
 def law_tables(models: Mapping[str, Mapping[str, Estimate]]) -> Iterator[Table]:
@@ -90,15 +74,18 @@ def law_tables(models: Mapping[str, Mapping[str, Estimate]]) -> Iterator[Table]:
             },
             models,
         )
-    others = {label: names for label, names in models.items() if "area_factor" in names}
+    columns = {
+        f"in {_heading(one, _IN_OWN_UNITS)}": f"{one.name}_factor" for one in COMPARISONS
+    }
+    others = {
+        label: names
+        for label, names in models.items()
+        if any(name in names for name in columns.values())
+    }
     if others:
         yield _table(
             "factor from the reference, where that has A ~ p or K ~ p; own h_rms",
-            {
-                "in A/A0": "area_factor",
-                "in ū/h_rms": "separation_factor",
-                "in K h_rms": "stiffness_factor",
-            },
+            columns,
             others,
         )
 
@@ -120,25 +107,25 @@ def departure_tables(
         One for each quantity and percentage, with a lower and an upper end.
     """
     for percent in PERCENTS:
-        for quantity in QUANTITIES:
-            start, end = (f"{quantity}_agrees_{side}_{percent}" for side in ("from", "to"))
+        for comparison in COMPARISONS:
+            start, end = comparison.ends(percent)
             known = {label: models[label] for label in others if start in models[label]}
             if known:
-                title = f"{_WORDS[quantity]} within {percent} %"
+                symbols = _IN_OWN_UNITS if comparison.at_separation else _SYMBOLS
+                title = f"{_heading(comparison, symbols)} within {percent} %"
                 yield _table(title, {"from": start, "to": end}, known)
+
+
+def _heading(comparison: Comparison, symbols: Mapping[str, str]) -> str:
+    symbol = symbols[comparison.quantity]
+    return f"{symbol} at equal ū/h_rms" if comparison.at_separation else symbol
 
 
 def _table(
     title: str, columns: Mapping[str, str], models: Mapping[str, Mapping[str, Estimate]]
 ) -> Table:
     rows = {
-        label: tuple(_cell(names.get(name, MISSING), name) for name in columns.values())
+        label: tuple(names.get(name, MISSING) for name in columns.values())
         for label, names in models.items()
     }
     return Table(title, tuple(columns), rows)
-
-
-def _cell(estimate: Estimate, name: str) -> Cell:
-    """Return a cell; the lower end of a range is bounded from above, all else from below."""
-    sign = "≤" if "_from" in name else "≥"
-    return Cell(estimate, sign if estimate.is_bound else "")

@@ -7,7 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
-from roughbench.fits.tables import Cell, Table, departure_tables, law_tables
+from roughbench.fits import Estimate
+from roughbench.fits.tables import Table, departure_tables, law_tables
 from roughbench.report.numbers import measured, number, series
 from roughbench.report.sources import ReportSource
 from roughbench.report.text import RichText, Span, from_heading, joined, without_folders
@@ -116,8 +117,8 @@ def fit_tables(
 
 def _fit_table(source: ReportSource, fits: Table) -> ReportTable:
     rows = [
-        (source.title(label), *(_cell(cell) for cell in cells))
-        for label, cells in fits.rows.items()
+        (source.title(label), *(_cell(found) for found in row))
+        for label, row in fits.rows.items()
     ]
     headings: list[TableCell] = ["Model", *(from_heading(heading) for heading in fits.headings)]
     return ReportTable(headings, rows, from_heading(fits.title))
@@ -138,16 +139,19 @@ def _departures(source: ReportSource, ranges: Sequence[Table], reference: str) -
     return ReportTable(headings, rows, title)
 
 
-def _range(cells: Sequence[Cell]) -> TableCell:
-    if not all(math.isfinite(cell.estimate.value) for cell in cells):
+def _range(ends: Sequence[Estimate]) -> TableCell:
+    if not all(end.is_given for end in ends):
+        return "not given"
+    if not all(math.isfinite(end.value) for end in ends):
         return "nowhere"
-    start, end = map(_cell, cells)
+    start, end = map(_cell, ends)
     return [Span(f"{start} "), Span("to", "muted"), Span(f" {end}")]
 
 
-def _cell(cell: Cell) -> str:
-    error = math.nan if cell.bound else cell.estimate.error
-    return measured(cell.estimate.value, error, cell.bound)
+def _cell(found: Estimate) -> str:
+    if not found.is_given:
+        return "not given"
+    return measured(found.value, math.nan if found.bound else found.error, found.bound)
 
 
 # -- where the results come from ---------------------------------------------------------
