@@ -14,7 +14,7 @@ from roughbench.report.sources import ReportSource
 from roughbench.report.text import RichText, Span, from_heading, joined, without_folders
 from roughbench.report.warnings import is_random
 from roughbench.results import ModelResult
-from roughbench.verdict import Case
+from roughbench.verdict import FittedExperiment
 
 TableCell = str | RichText
 
@@ -101,18 +101,18 @@ def _counted(models: Sequence[ModelResult]) -> str:
 
 
 def fit_tables(
-    sources: Sequence[ReportSource], cases: Sequence[Case]
+    sources: Sequence[ReportSource], experiments: Sequence[FittedExperiment]
 ) -> Iterator[tuple[RichText, list[ReportTable]]]:
     """Yield a heading and the tables of ``roughbench fit`` for every experiment."""
     by_name = {source.name: source for source in sources}
-    for case in cases:
-        source = by_name[case.source]
-        tables = [_fit_table(source, fits) for fits in law_tables(case.fits)]
-        if case.reference is not None:
-            others = [name for name in case.fits if name != case.reference]
-            ranges = list(departure_tables(case.fits, others))
-            tables += [_departures(source, ranges, case.reference)] * bool(ranges)
-        yield joined([source.name, source.experiment(case.experiment)], ": "), tables
+    for one in experiments:
+        source = by_name[one.source]
+        tables = [_fit_table(source, fits) for fits in law_tables(one.fits)]
+        if one.reference is not None:
+            others = [model.label for model in one.contenders]
+            ranges = list(departure_tables(one.fits, others))
+            tables += [_departures(source, ranges, one.reference)] * bool(ranges)
+        yield joined([source.name, source.experiment(one.experiment)], ": "), tables
 
 
 def _fit_table(source: ReportSource, fits: Table) -> ReportTable:
