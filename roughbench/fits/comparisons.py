@@ -100,11 +100,12 @@ def compare(one: Averages, reference: Averages) -> dict[str, Estimate]:
 
 
 def compare_factors(one: Averages, reference: Averages) -> dict[str, Estimate]:
-    """Return the factors at equal pressure alone, of what the model gives."""
+    """Return the factors at equal pressure alone."""
     return {
         f"{quantity}_factor": _factor_at_pressure(quantity, one, reference)
-        for quantity in QUANTITIES
         if quantity in one.given
+        else NOT_GIVEN
+        for quantity in QUANTITIES
     }
 
 

@@ -73,7 +73,7 @@ def _measurements(experiment: FittedExperiment, model: ModelResult) -> Iterator[
             yield measurement(Reading(where, what, factor), TO_FOLLOW)
         else:
             ranges = tuple(_range(fits, comparison, percent) for percent in PERCENTS)
-            note = "; ".join(_text(one) for one in ranges)
+            note = "; ".join(_text(one, comparison) for one in ranges)
             missing = f"{note}; no factor: {_why_missing(comparison)}"
             reading = Reading(where, what, factor, note, missing=missing)
             yield measurement(reading, TO_FOLLOW, ranges)
@@ -89,11 +89,12 @@ def _range(fits: Mapping[str, Estimate], comparison: Comparison, percent: int) -
     return Range(percent, start, end)
 
 
-def _text(found: Range) -> str:
+def _text(found: Range, comparison: Comparison) -> str:
     """Say where a model agrees with the exact solution, with errors where there are any."""
     if not math.isfinite(found.start.value):
         return f"nowhere within {found.percent} %"
-    low = "the first pressure" if found.start.is_bound else f"p = {_number(found.start)}"
+    first = f"the first pressure{' compared' * comparison.at_separation}"
+    low = first if found.start.is_bound else f"p = {_number(found.start)}"
     high = "the last" if found.end.is_bound else _number(found.end)
     return f"within {found.percent} % from {low} to {high}"
 

@@ -209,7 +209,7 @@ def power_of_size(experiments: Experiments, kinds: Kinds, resamples: int) -> Ite
     for group in that_differ_in("length", experiments):
         series = [next(iter(one.of_kinds(kinds)), None) for one, _ in group]
         found = [model for model in series if model is not None]
-        if len(found) != len(group):
+        if len(found) != len(group) or any("separation" not in model for model in found):
             continue
         first, exact = group[0]
         start, end = (first.fits[exact.label][f"log_{side}"] for side in ("from", "to"))
@@ -245,6 +245,8 @@ def spectrum_exponent(observable: str, law: PowerLaw) -> Measure:
 
 
 def _place_of_small_area(exact: ModelResult) -> int | None:
+    if "area_mean" not in exact:
+        return None
     area = np.asarray(exact["area_mean"], float)
     close = (area >= SMALL_AREAS[0]) & (area <= SMALL_AREAS[1])
     if not close.any():
