@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 
 from roughbench.fits import Estimate, reference_of
-from roughbench.fits.tables import Cell, Table, departure_tables, law_tables
+from roughbench.fits.tables import Table, departure_tables, law_tables
 from roughbench.results import ModelResult, Results
 
 Fitted = Mapping[str, Mapping[str, Mapping[str, Estimate]]]
@@ -77,23 +77,22 @@ def _lines(width: int, headings: Sequence[str], table: Table) -> Iterator[str]:
     widths = [max(_WIDTH, len(heading)) for heading in headings]
     titles = (f"  {heading:<{w}}" for heading, w in zip(headings, widths, strict=True))
     yield f"{'':{width}}{''.join(titles)}".rstrip()
-    for label, cells in table.rows.items():
-        texts = (f"  {_text(cell):<{w}}" for cell, w in zip(cells, widths, strict=True))
+    for label, row in table.rows.items():
+        texts = (f"  {_text(number):<{w}}" for number, w in zip(row, widths, strict=True))
         yield f"{label:{width}}{''.join(texts)}".rstrip()
 
 
-def _text(cell: Cell) -> str:
-    estimate = cell.estimate
-    if not estimate.is_given:
+def _text(number: Estimate) -> str:
+    if not number.is_given:
         return "not given"
-    if math.isnan(estimate.value):
+    if math.isnan(number.value):
         return "-"
-    if math.isinf(estimate.value):
+    if math.isinf(number.value):
         return "∞"
-    value = f"{estimate.value:.4g}"
-    if cell.bound:
-        return f"{cell.bound} {value}"
-    return value if math.isnan(estimate.error) else f"{value} ± {estimate.error:.2g}"
+    value = f"{number.value:.4g}"
+    if number.bound:
+        return f"{number.bound} {value}"
+    return value if math.isnan(number.error) else f"{value} ± {number.error:.2g}"
 
 
 def to_json(results: Results, fitted: Fitted, reference: str | None, resamples: int) -> str:

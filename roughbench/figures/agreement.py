@@ -22,6 +22,7 @@ stiffness and eq. (10) with θ = 1 moves only the first, to 1.6e-5. With a facto
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -29,6 +30,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from roughbench.figures.curves import curve_of
+from roughbench.fits.windows import Part, part_between, widest_run
 from roughbench.results import ModelResult, Results
 
 FACTOR = 2.0
@@ -94,46 +96,27 @@ def agreement(
     known = ~np.isnan(ratio)
     x = np.log(np.asarray(pressure, float)[known])
     ratio = ratio[known]
-    best: tuple[float, float] | None = None
-    start: float | None = None
-    for a, b, y_a, y_b in zip(x, x[1:], ratio, ratio[1:], strict=False):
-        inside = _inside(y_a, y_b, factor)
-        if inside is None:
-            start = None
-            continue
-        left, right = a + inside[0] * (b - a), a + inside[1] * (b - a)
-        start = left if start is None or inside[0] > 0.0 else start
-        if best is None or right - start > best[1] - best[0]:
-            best = (start, right)
-        start = start if inside[1] == 1.0 else None
-    if best is None:
+    parts = (_part(a, b, factor) for a, b in itertools.pairwise(ratio))
+    start, end = (float(place) for place in widest_run(x, parts, ()))
+    if math.isnan(start):
         return Agreement(factor, found=False)
-    lower, upper = best
     return Agreement(
         factor,
         found=True,
-        lower=math.exp(lower) if lower > x[0] else None,
-        upper=math.exp(upper) if upper < x[-1] else None,
+        lower=math.exp(start) if start > x[0] else None,
+        upper=math.exp(end) if end < x[-1] else None,
     )
 
 
-def _inside(y_a: float, y_b: float, factor: float) -> tuple[float, float] | None:
-    """Part of the way from a to b, within 0 … 1, on which 1/factor < y < factor."""
-    if math.isinf(y_a) and math.isinf(y_b):
-        return None
-    if math.isinf(y_a) or math.isinf(y_b):
-        ends, low, high = (1.0 / y_a, 1.0 / y_b), 1.0 / factor, factor
-    elif y_a == 0.0 or y_b == 0.0:
-        ends, low, high = (y_a, y_b), 1.0 / factor, factor
-    else:
-        ends, high = (math.log(y_a), math.log(y_b)), math.log(factor)
-        low = -high
-    rise = ends[1] - ends[0]
-    if rise == 0.0:
-        return (0.0, 1.0) if low < ends[0] < high else None
-    crossings = sorted(((low - ends[0]) / rise, (high - ends[0]) / rise))
-    first, last = max(crossings[0], 0.0), min(crossings[1], 1.0)
-    return (first, last) if first < last else None
+def _part(a: float, b: float, factor: float) -> Part:
+    """Return the part of the way from a ratio to the next that is within the factor of 1."""
+    low, high = 1.0 / factor, factor
+    if np.isinf(a) or np.isinf(b):
+        with np.errstate(divide="ignore"):
+            a, b = np.divide(1.0, (a, b))
+    elif a > 0.0 and b > 0.0:
+        a, b, low, high = np.log((a, b, low, high))
+    return part_between(*(np.asarray(value) for value in (a, b, low, high)))
 
 
 def departures(results: Results, factor: float = FACTOR) -> dict[str, Agreement | None]:

@@ -1,8 +1,8 @@
 """Fig. 1 of the paper: the rough punch on its foundation of independent springs.
 
-The line of realization 0 is made again from the spec, and pressed to the depth that the
-results hold for it, in the experiment and at the pressure that show the most contact
-regions (:func:`~roughbench.figures.pressed.press`). Above the whole line: the rigid
+The springs are those of the fields that a run keeps (``save_fields``): of all experiments and
+pressures that it kept, the state that shows the most contact regions
+(:func:`~roughbench.figures.pressed.most_telling`). Above the whole line: the rigid
 punch, its lower side at the height d - h_i over the unloaded springs, which it compresses
 by h_i - d where that is negative. Below the springs of a window that shows contact and
 gaps (:func:`~roughbench.figures.pressed.choose_window`), every one or every few of them.
@@ -22,10 +22,9 @@ from roughbench.figures.pressed import (
     Pressed,
     Window,
     choose_window,
-    press,
-    sources,
+    most_telling,
+    pressed_lines,
 )
-from roughbench.figures.rebuild import spec_fault
 from roughbench.figures.style import BACKGROUND, SMALL, footnote, letter, new_figure
 from roughbench.models.foundation import Foundation
 from roughbench.results import Results
@@ -41,16 +40,17 @@ _WINDOW = "0.0"
 
 def missing(results: Results) -> str | None:
     """Return what the results lack for this figure, or None."""
-    if fault := spec_fault(results):
-        return fault
-    if not any(True for _ in sources(results)):
-        return "a foundation on a surface given by its spectrum, not yet in full contact"
-    return None
+    if any(True for _ in pressed_lines(results)):
+        return None
+    return (
+        "the fields of a foundation, not yet in full contact, which a spec asks for with "
+        "save_fields: {pressures: [...], realizations: [0]}"
+    )
 
 
 def draw(results: Results) -> Figure:
     """Return the figure."""
-    pressed = press(results)
+    pressed = most_telling(results)
     figure, (whole, zoom) = new_figure(2, 1.75)
     window = choose_window(pressed.clearance < 0.0)
     _draw_whole(whole, pressed, window)

@@ -1,4 +1,4 @@
-"""A line of the results, pressed into its springs again, and what to show of it."""
+"""The springs of a line in the states whose fields a run kept, and what to show of them."""
 
 from __future__ import annotations
 
@@ -10,8 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roughbench.errors import StoreError
-from roughbench.figures.rebuild import Experiment, self_affine_experiments
-from roughbench.planning.samples import make_sample
 from roughbench.results import ModelResult, Results
 
 FloatArray = NDArray[np.float64]
@@ -58,70 +56,51 @@ class Pressed:
         return int(touching[0]) + int(np.count_nonzero(touching[1:] & ~touching[:-1]))
 
 
-def sources(results: Results) -> Iterator[tuple[Experiment, ModelResult]]:
-    """Yield the foundations whose realization 0 has a state short of full contact."""
-    for experiment in self_affine_experiments(results):
-        for result in results[experiment[0]].values():
-            if result.kind == "foundation" and _partial(result).any():
-                yield experiment, result
+def pressed_lines(results: Results) -> Iterator[Pressed]:
+    """Yield the states of foundations whose fields are kept, short of full contact."""
+    for experiment, result in results.models():
+        if result.kind == "foundation" and "field_pressure" in result:
+            yield from _states(experiment, result)
 
 
-def _partial(result: ModelResult) -> NDArray[np.bool_]:
-    """Pressures at which realization 0 converged short of full contact."""
-    return (result["status"][0] == 0) & (result["separation"][0] > 0.0)
+def _states(experiment: str, result: ModelResult) -> Iterator[Pressed]:
+    """Yield the kept states of a foundation; a pressure is (4/π) E*δ/L per nominal area."""
+    length = float(result.attributes["length"])
+    height = float(result.attributes["rms_height"])
+    for pressure, gap, nominal, status in zip(
+        result["field_pressure"],
+        result["field_gap"],
+        result["field_nominal_pressure"].tolist(),
+        result["field_status"].tolist(),
+        strict=True,
+    ):
+        compression = math.pi / 4.0 * length * pressure
+        if status == 0 and (gap > 0.0).any():
+            clearance = np.where(pressure > 0.0, -compression, gap)
+            yield Pressed(experiment, clearance, height, nominal, float(gap.mean()))
 
 
-def press(results: Results) -> Pressed:
-    """Return the line of realization 0 of a foundation, pressed for the figure.
+def most_telling(results: Results) -> Pressed:
+    """Return the state that the figure shows.
 
-    Of all experiments and pressures with a share of springs in contact within
-    :data:`SHARES` it takes the one with the most contact regions, or the lowest of
-    several; if there is none, the one whose share comes nearest.
-
-    Returns
-    -------
-    Pressed
+    Of those with a share of springs in contact within :data:`SHARES` it is the one with the
+    most contact regions, the first of several; if there is none, the one whose share comes
+    nearest.
 
     Raises
     ------
     StoreError
-        If there is no foundation, or the line made again from the spec is not the one
-        that the results were computed with.
+        If the results hold no such state.
     """
-    states = [state for source in sources(results) for state in _states(*source)]
-    if not states:
-        raise StoreError("figure 'foundation' needs a foundation")
 
     def merit(state: Pressed) -> tuple[float, int]:
         least, most = SHARES
         return -max(least - state.share, state.share - most, 0.0), state.regions
 
+    states = list(pressed_lines(results))
+    if not states:
+        raise StoreError("figure 'foundation' needs the fields of a foundation")
     return max(states, key=merit)
-
-
-def _states(experiment: Experiment, result: ModelResult) -> Iterator[Pressed]:
-    """Yield the states of realization 0; its plane is at d = ū - (π/4) L p/E*."""
-    name, surface, spec = experiment
-    model = next(model for model in spec.models if model.name == result.label)
-    heights = make_sample(surface, model, spec.seed, 0).heights
-    if heights is None:
-        raise StoreError(f"figure 'foundation' needs a line, which {result.label} has not")
-    heights = heights - heights.mean()
-    for chosen in np.flatnonzero(_partial(result)):
-        pressure = float(result["pressure"][chosen])
-        separation = float(result["separation"][0, chosen])
-        compression = math.pi / 4.0 * surface.length * pressure
-        clearance = separation - compression - heights
-        found = float(np.maximum(-clearance, 0.0).mean())
-        if abs(found - compression) > 1e-6 * compression:
-            raise StoreError(
-                "figure 'foundation' needs the line of realization 0, but the one made from "
-                f"the spec carries p/E* = {pressure * found / compression:.6g} where the "
-                f"results say {pressure:.6g}; run the spec again with this version"
-            )
-        yield Pressed(
-            name, clearance, float(result.attributes["rms_height"]), pressure, separation
-        )
 
 
 @dataclass(frozen=True, slots=True)

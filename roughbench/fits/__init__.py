@@ -23,34 +23,18 @@ True
 
 from __future__ import annotations
 
-import functools
-
-import numpy as np
-from numpy.typing import NDArray
-
 from roughbench.errors import StoreError
-from roughbench.fits.laws import (
-    AREA_TOLERANCE,
-    NEARLY_CLOSED,
-    STIFFNESS_TOLERANCE,
-    fit_departures,
-    fit_factor,
-    fit_laws,
-    proportional,
-    quantity_of,
+from roughbench.fits.averages import Averages
+from roughbench.fits.comparisons import (
+    PERCENTS,
+    Comparison,
+    compare,
+    compare_factors,
+    comparisons,
 )
-from roughbench.fits.resampling import (
-    MISSING,
-    NOT_GIVEN,
-    Estimate,
-    draw_counts,
-    estimate,
-    harmonic_means,
-    resampled_means,
-)
-from roughbench.fits.tables import PERCENTS
+from roughbench.fits.laws import fit_laws, needs
+from roughbench.fits.resampling import MISSING, NOT_GIVEN, Estimate, estimate, n_random
 from roughbench.models.registry import is_reference
-from roughbench.quantities import Quantity, compared
 from roughbench.results import ModelResult, Results
 
 __all__ = [
@@ -58,7 +42,9 @@ __all__ = [
     "NOT_GIVEN",
     "PERCENTS",
     "RESAMPLES",
+    "Comparison",
     "Estimate",
+    "comparisons",
     "factors",
     "fit",
     "n_random",
@@ -131,8 +117,10 @@ def fit(
         factor between the two (e to the rms of ln of the ratio; of K the harmonic means),
         lengths in units of the realized rms heights, over the range in which the reference
         has A ∼ p (for the area) or K ∼ p. They are missing where there is no reference, or
-        the pressures differ. What needs a quantity that the model does not give is
-        ``NOT_GIVEN``.
+        the pressures differ. ``area_at_separation_agrees_from_10``, …,
+        ``area_at_separation_factor`` and the same of the stiffness compare at equal mean
+        separation (see :mod:`roughbench.fits.comparisons`), whatever the pressures. What
+        rests on a quantity that a model lacks is :data:`NOT_GIVEN`.
 
     Raises
     ------
@@ -146,49 +134,23 @@ def fit(
     fitted: Fits = {}
     for experiment, models in results.items():
         label = reference_of(dict(models), reference)
-        drawn = {name: _Drawn(result, resamples, seed) for name, result in models.items()}
-        chosen = drawn[label] if label is not None else None
-        fitted[experiment] = {name: _fit_model(one, chosen) for name, one in drawn.items()}
+        averages = {n: Averages(result, resamples, seed) for n, result in models.items()}
+        chosen = averages[label] if label is not None else None
+        fitted[experiment] = {name: _fit_model(one, chosen) for name, one in averages.items()}
     return fitted
 
 
-def _fit_model(one: _Drawn, reference: _Drawn | None) -> dict[str, Estimate]:
-    pressure = one.pressure
-    laws = fit_laws(pressure, one.means, dict(one.result.attributes), one.height[:, 0])
-    count = n_random(one.result)
-    found = {name: estimate(*values, count=count) for name, values in laws.items()}
-    found |= {name: NOT_GIVEN for name in laws if quantity_of(name) not in one.result}
+def _fit_model(one: Averages, reference: Averages | None) -> dict[str, Estimate]:
+    laws = fit_laws(one.pressure, one.means, dict(one.result.attributes), one.height[:, 0])
+    found = {
+        name: estimate(*values, bound="≤" if "_from" in name else "≥", count=one.count)
+        if one.given.issuperset(needs(name))
+        else NOT_GIVEN
+        for name, values in laws.items()
+    }
     if reference is None or reference is one:
         return found
-    if not np.array_equal(reference.pressure, pressure):
-        return found
-    count = n_random(one.result, reference.result)
-    for name in _compared(one, reference):
-        ends = [
-            f"{name}_agrees_{end}_{percent}" for percent in PERCENTS for end in ("from", "to")
-        ]
-        if not one.gives(name, reference):
-            found |= dict.fromkeys(ends, NOT_GIVEN)
-            continue
-        ours, theirs = _paired(one.means[name], reference.means[name])
-        open_ = np.ones(pressure.shape, bool)
-        if name == "area":
-            open_ = ~(theirs[0] > NEARLY_CLOSED)
-        for percent in PERCENTS:
-            lower, upper = fit_departures(
-                pressure[open_], ours[:, open_], theirs[:, open_], percent / 100.0
-            )
-            found[f"{name}_agrees_from_{percent}"] = estimate(*lower, count=count)
-            found[f"{name}_agrees_to_{percent}"] = estimate(*upper, count=count)
-    return found | _factors(one, reference)
-
-
-def n_random(*results: ModelResult) -> int:
-    """Return the number of realizations of the scarcest random ensemble; 0 for none.
-
-    Theories and heights from a file have nothing random in them.
-    """
-    return min((one.n_realizations for one in results if one.is_random), default=0)
+    return found | compare(one, reference)
 
 
 def factors(
@@ -212,82 +174,5 @@ def factors(
         compared: a single closed line makes the mean of K infinite. Lengths are in units of
         the rms height of each one's realized surfaces.
     """
-    return _factors(_Drawn(result, resamples, seed), _Drawn(reference, resamples, seed))
-
-
-def _factors(one: _Drawn, reference: _Drawn) -> dict[str, Estimate]:
-    found, count = {}, n_random(one.result, reference.result)
-    for name, quantity in _compared(one, reference).items():
-        if not one.gives(name, reference):
-            found[f"{name}_factor"] = NOT_GIVEN
-            continue
-        ours, theirs = (
-            x.means[quantity.averaged] / x.height**quantity.length for x in (one, reference)
-        )
-        ours, theirs = _paired(ours, theirs)
-        ends = reference.linear["area" if name == "area" else "stiffness"]
-        start, end = (np.broadcast_to(x, len(theirs)) for x in ends)
-        found[f"{name}_factor"] = estimate(
-            fit_factor(reference.pressure, ours, theirs, (start, end)), count=count
-        )
-    return found
-
-
-def _compared(one: _Drawn, other: _Drawn) -> dict[str, Quantity]:
-    """Return the quantities that every model should give, and what one of the two gives."""
-    return {
-        name: quantity
-        for name, quantity in compared().items()
-        if quantity.is_expected or name in one.result or name in other.result
-    }
-
-
-class _Drawn:
-    """The averages of a model over its resamples.
-
-    Attributes
-    ----------
-    result : ModelResult
-    pressure : ndarray of float64, shape (P,)
-    means : dict of str to ndarray of float64, shape (B, P)
-        What :func:`~roughbench.fits.laws.fit_laws` takes.
-    height : ndarray of float64, shape (B, 1)
-        Realized rms height.
-    """
-
-    def __init__(self, result: ModelResult, resamples: int, seed: int) -> None:
-        counts = draw_counts(result.n_realizations, resamples, seed)
-        self.result = result
-        self.pressure = np.asarray(result["pressure"], float)
-        self.means = {name: resampled_means(result, name, counts) for name in compared()}
-        for name, quantity in compared().items():
-            if quantity.has_harmonic_mean:
-                self.means[quantity.averaged] = harmonic_means(result, name, counts)
-        heights = np.asarray(result["rms_height"], float)
-        self.height = (counts @ heights / heights.size)[:, None]
-
-    def gives(self, name: str, reference: _Drawn) -> bool:
-        """Whether both have a quantity."""
-        return name in self.result and name in reference.result
-
-    @functools.cached_property
-    def linear(self) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
-        """Where area and stiffness are proportional to the pressure: ends in ln p, (B,)."""
-        return {
-            name: proportional(self.pressure, self.means[name], tolerance)
-            for name, tolerance in (
-                ("area", AREA_TOLERANCE),
-                ("stiffness", STIFFNESS_TOLERANCE),
-            )
-        }
-
-
-def _paired(
-    one: NDArray[np.float64], other: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Repeat the single row of a model without randomness for all resamples."""
-    count = max(len(one), len(other))
-    return (
-        np.broadcast_to(one, (count, one.shape[1])),
-        np.broadcast_to(other, (count, other.shape[1])),
-    )
+    one, other = (Averages(model, resamples, seed) for model in (result, reference))
+    return compare_factors(one, other)

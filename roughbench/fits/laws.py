@@ -51,9 +51,16 @@ FINITE_SIZE_EXCESS = 4.0
 """Where two laws meet the slope is between theirs: 0.03 above the lower one from here on, if
 their squares add up, and 0.1 at an excess of 2."""
 FEWEST = 3
-NEARLY_CLOSED = 0.9
-"""A/A0 of the reference past which all areas agree, and tell nothing."""
 _SLACK = 1e-9
+
+
+def needs(name: str) -> tuple[str, ...]:
+    """Return the quantities that a number of the table above is taken from."""
+    if name.startswith("kappa") or name == "half_contact":
+        return ("area",)
+    if name in ("u0", "alpha", "alpha_realized", "beta"):
+        return ("separation", "stiffness")
+    return ("stiffness",)
 
 
 def fit_laws(
@@ -87,18 +94,18 @@ def fit_laws(
     fitted: Fitted = {}
     rate = _log(means["area"] * slope / pressure)
     start, end = proportional(pressure, means["area"], AREA_TOLERANCE)
-    fitted["kappa"] = (np.exp(_mean(rate, _within(x, start, end))), None)
-    at_start, at_end = _reaches(x, start, end)
+    fitted["kappa"] = (np.exp(_mean(rate, inside(x, start, end))), None)
+    at_start, at_end = reaches(x, start, end)
     fitted["kappa_from"] = (np.exp(start), at_start)
     fitted["kappa_to"] = (np.exp(end), at_end)
     fitted["kappa_decades"] = ((end - start) / math.log(10.0), at_start | at_end)
 
-    fitted["half_contact"] = (np.exp(_first_reaches(x, means["area"], 0.5)), None)
+    fitted["half_contact"] = (np.exp(_firstreaches(x, means["area"], 0.5)), None)
 
     rate = _log(means["stiffness"] / pressure)
     start, end = proportional(pressure, means["stiffness"], STIFFNESS_TOLERANCE)
-    region = _within(x, start, end)
-    at_start, at_end = _reaches(x, start, end)
+    region = inside(x, start, end)
+    at_start, at_end = reaches(x, start, end)
     fitted["log_from"] = (np.exp(start), at_start)
     fitted["log_to"] = (np.exp(end), at_end)
     fitted["log_decades"] = ((end - start) / math.log(10.0), at_start | at_end)
@@ -136,19 +143,6 @@ def fit_laws(
     return fitted
 
 
-def quantity_of(name: str) -> str:
-    """Return the quantity that a number of the table above says something about.
-
-    Examples
-    --------
-    >>> quantity_of("kappa_from"), quantity_of("beta"), quantity_of("theta")
-    ('area', 'separation', 'stiffness')
-    """
-    if name in ("u0", "alpha", "alpha_realized", "beta"):
-        return "separation"
-    return "area" if name.startswith(("kappa", "half_contact")) else "stiffness"
-
-
 def proportional(
     pressure: FloatArray, values: FloatArray, tolerance: float
 ) -> tuple[FloatArray, FloatArray]:
@@ -170,89 +164,30 @@ def proportional(
     return _at_least(FEWEST, x, *widest_flat(x, _log(values / pressure), tolerance))
 
 
-def fit_factor(
-    pressure: FloatArray,
-    values: FloatArray,
-    reference: FloatArray,
-    region: tuple[FloatArray, FloatArray],
-) -> FloatArray:
-    """Return the factor, up or down, between two curves: e to the rms of ln of their ratio.
-
-    Parameters
-    ----------
-    pressure : ndarray of float64, shape (P,)
-    values, reference : ndarray of float64, shape (B, P)
-        Non-negative; inf where one is zero or infinite and the other is not.
-    region : (ndarray of float64, ndarray of float64), shape (B,)
-        Ends in ln p. The mean is over the pressures between them.
-
-    Returns
-    -------
-    ndarray of float64, shape (B,)
-        At least 1; nan where the region does not exist or a value is missing in it.
-    """
-    x = np.log(pressure)
-    inside = _within(x, *region)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        distance = np.abs(np.log(values) - np.log(reference))
-    distance = np.where(values == reference, 0.0, distance)
-    number = inside.sum(axis=1)
-    total = np.where(inside, distance, 0.0)
-    with np.errstate(invalid="ignore"):
-        square = (total * total).sum(axis=1) / np.where(number > 0, number, math.nan)
-    return np.asarray(np.exp(np.sqrt(square)))
-
-
-def fit_departures(
-    pressure: FloatArray, values: FloatArray, reference: FloatArray, part: float
-) -> tuple[tuple[FloatArray, NDArray[np.bool_]], tuple[FloatArray, NDArray[np.bool_]]]:
-    """Return the ends of the widest range on which two curves differ by less than a part.
-
-    Between the pressures (r − 1)/(r + 1) of their ratio r is taken as linear in ln p,
-    which knows 0 and infinity; where both are 0 or both infinite they agree.
-
-    Parameters
-    ----------
-    pressure : ndarray of float64, shape (P,)
-        p/E*, ascending.
-    values, reference : ndarray of float64, shape (B, P)
-        Non-negative; may be inf.
-    part : float
-        0.1 for 10 % of the reference.
-
-    Returns
-    -------
-    ((ndarray of float64, ndarray of bool), (ndarray of float64, ndarray of bool))
-        Lower and upper end, p/E*, and whether each is a bound, of shape (B,); nan where
-        the curves agree nowhere.
-    """
-    x = np.log(pressure)
-    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        s = np.where(
-            np.isinf(values) | np.isinf(reference),
-            np.isinf(values).astype(float) - np.isinf(reference),
-            (values - reference) / (values + reference),
-        )
-    s = np.where((values == 0.0) & (reference == 0.0), 0.0, s)
-    s = np.where(np.isnan(values) | np.isnan(reference), math.nan, s)
-    count = s.shape[0]
-    low, high = np.full(count, -part / (2.0 - part)), np.full(count, part / (2.0 + part))
-    start, end = widest_between(x, s, low, high)
-    at_start, at_end = _reaches(x, start, end)
-    return (np.exp(start), at_start), (np.exp(end), at_end)
-
-
-def _reaches(
-    x: FloatArray, start: FloatArray, end: FloatArray
+def reaches(
+    x: FloatArray, start: FloatArray, end: FloatArray, known: NDArray[np.bool_] | None = None
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Return which ranges reach the first and the last pressure, rounding forgiven."""
+    """Return which ranges reach the first and the last pressure, rounding forgiven.
+
+    Parameters
+    ----------
+    x : ndarray of float64, shape (P,)
+        ln p, ascending.
+    start, end : ndarray of float64, shape (B,)
+        Ends of the ranges.
+    known : ndarray of bool, shape (B, P), optional
+        Pressures at which the curves have a value; default: all.
+    """
     if not x.size:
         return np.zeros(start.shape, np.bool_), np.zeros(end.shape, np.bool_)
+    first, last = x[0], x[-1]
+    if known is not None:
+        first, last = x[known.argmax(axis=1)], x[::-1][known[:, ::-1].argmax(axis=1)]
     with np.errstate(invalid="ignore"):
-        return start <= x[0] + _SLACK, end >= x[-1] - _SLACK
+        return start <= first + _SLACK, end >= last - _SLACK
 
 
-def _first_reaches(x: FloatArray, y: FloatArray, level: float) -> FloatArray:
+def _firstreaches(x: FloatArray, y: FloatArray, level: float) -> FloatArray:
     """Return where each curve first rises through a level, linear in ln y; nan if nowhere."""
     above = y >= level
     after = above.argmax(axis=1)
@@ -285,7 +220,7 @@ def _plateau(x: FloatArray, rate: FloatArray) -> tuple[FloatArray, NDArray[np.bo
     start, end = widest_between(x[1:-1], slopes, -band, band)
     known = np.isfinite(slopes).any(axis=1)
     width = np.where(np.isnan(end - start), 0.0, end - start) / math.log(10.0)
-    at_start, at_end = _reaches(x[1:-1], start, end)
+    at_start, at_end = reaches(x[1:-1], start, end)
     return np.where(known, width, math.nan), at_start | at_end
 
 
@@ -295,7 +230,8 @@ def _log(values: FloatArray) -> FloatArray:
     return np.where(known, np.log(np.where(known, values, 1.0)), math.nan)
 
 
-def _within(x: FloatArray, start: FloatArray, end: FloatArray) -> NDArray[np.bool_]:
+def inside(x: FloatArray, start: FloatArray, end: FloatArray) -> NDArray[np.bool_]:
+    """Return which places lie in which ranges, rounding forgiven: (B, P)."""
     with np.errstate(invalid="ignore"):
         return np.asarray((x >= start[:, None] - _SLACK) & (x <= end[:, None] + _SLACK))
 
@@ -304,7 +240,7 @@ def _at_least(
     number: int, x: FloatArray, start: FloatArray, end: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the ranges that hold so many points, nan for the others."""
-    enough = _within(x, start, end).sum(axis=1) >= number
+    enough = inside(x, start, end).sum(axis=1) >= number
     return np.where(enough, start, math.nan), np.where(enough, end, math.nan)
 
 

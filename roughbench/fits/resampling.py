@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,14 +28,14 @@ class Estimate:
         resamples, or where it exists in less than half of them.
     share : float
         Share of the resamples in which it exists.
-    is_bound : bool
-        The range goes on to the first or last pressure of the results: a pressure is
-        then a bound only.
+    bound : {"", "≤", "≥"}
+        Whether the value is a bound only, since its range goes on to the first or last
+        pressure of the results.
     count : int
         Realizations behind the error: those of the scarcer of two ensembles; 0 if nothing
         is random.
     is_given : bool
-        The model says something about the quantity at all.
+        Whether the model gives the quantities that the number is about.
     """
 
     value: float
@@ -43,14 +43,19 @@ class Estimate:
     low: float
     high: float
     share: float
-    is_bound: bool = False
+    bound: str = ""
     count: int = 0
     is_given: bool = True
+
+    @property
+    def is_bound(self) -> bool:
+        """Whether the value is a bound only."""
+        return bool(self.bound)
 
 
 MISSING = Estimate(math.nan, math.nan, math.nan, math.nan, 0.0)
 """There is no such number."""
-NOT_GIVEN = replace(MISSING, is_given=False)
+NOT_GIVEN = Estimate(math.nan, math.nan, math.nan, math.nan, 0.0, is_given=False)
 """The model does not give the quantity."""
 
 
@@ -137,7 +142,11 @@ def _values(result: ModelResult, name: str) -> FloatArray:
 
 
 def estimate(
-    values: FloatArray, bounds: NDArray[np.bool_] | None = None, *, count: int = 0
+    values: FloatArray,
+    bounds: NDArray[np.bool_] | None = None,
+    *,
+    bound: str = "≥",
+    count: int = 0,
 ) -> Estimate:
     """Return the estimate from its values over the resamples, the first from all.
 
@@ -149,6 +158,8 @@ def estimate(
     values : ndarray of float64, shape (B,)
     bounds : ndarray of bool, shape (B,), optional
         Whether the value is a bound.
+    bound : {"≤", "≥"}
+        Which it is then.
     count : int
         Number n of realizations that were drawn from; 0 widens nothing.
 
@@ -157,12 +168,12 @@ def estimate(
     Estimate
     """
     value = float(values[0])
-    is_bound = bool(bounds[0]) if bounds is not None and math.isfinite(value) else False
+    bound = bound if bounds is not None and math.isfinite(value) and bounds[0] else ""
     drawn = values[1:]
     found = drawn[~np.isnan(drawn)]
     share = found.size / drawn.size if drawn.size else float(not math.isnan(value))
     if found.size < 2 or share < 0.5 or math.isnan(value):
-        return Estimate(value, math.nan, math.nan, math.nan, share, is_bound, count)
+        return Estimate(value, math.nan, math.nan, math.nan, share, bound, count)
     if np.isfinite(found).all():
         low, high = np.quantile(found, [0.16, 0.84])
     else:  # nothing lies between a number and infinity
@@ -173,7 +184,7 @@ def estimate(
         low, high = value - wider * (value - low), value + wider * (high - value)
     finite = math.isfinite(value) and math.isfinite(high)
     error = float(high - low) / 2.0 if finite else math.nan
-    return Estimate(value, error, float(low), float(high), share, is_bound, count)
+    return Estimate(value, error, float(low), float(high), share, bound, count)
 
 
 def _widening(count: int) -> float:
@@ -188,3 +199,16 @@ def student(probability: float, count: int) -> float:
     from scipy.special import stdtrit
 
     return float(stdtrit(count - 1, probability))
+
+
+def n_random(*results: ModelResult) -> int:
+    """Return the number of realizations of the scarcest random ensemble; 0 for none.
+
+    Theories and heights from a file have nothing random in them.
+    """
+    numbers = [
+        result.n_realizations
+        for result in results
+        if "grid_points" in result.attributes and result.attributes.get("surface") != "file"
+    ]
+    return min(numbers, default=0)

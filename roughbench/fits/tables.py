@@ -6,27 +6,10 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from roughbench.fits.comparisons import PERCENTS, Comparison, comparisons
 from roughbench.fits.resampling import MISSING, Estimate
 from roughbench.notation import plain
-from roughbench.quantities import compared
-
-PERCENTS = (10, 50)
-
-
-@dataclass(frozen=True, slots=True)
-class Cell:
-    """One number of a table.
-
-    Attributes
-    ----------
-    estimate : Estimate
-        nan where the criterion is met nowhere, or the model does not give the quantity.
-    bound : str
-        "≤" or "≥" where the number is a bound only, else "".
-    """
-
-    estimate: Estimate
-    bound: str = ""
+from roughbench.quantities import QUANTITIES
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,13 +22,13 @@ class Table:
         What they are about; may be empty.
     headings : tuple of str
         Of the columns.
-    rows : mapping of str to tuple of Cell
+    rows : mapping of str to tuple of Estimate
         By label of the model.
     """
 
     title: str
     headings: tuple[str, ...]
-    rows: Mapping[str, tuple[Cell, ...]]
+    rows: Mapping[str, tuple[Estimate, ...]]
 
 
 def law_tables(models: Mapping[str, Mapping[str, Estimate]]) -> Iterator[Table]:
@@ -90,20 +73,20 @@ def law_tables(models: Mapping[str, Mapping[str, Estimate]]) -> Iterator[Table]:
             },
             models,
         )
-    factors = {
-        f"in {plain(quantity.in_heights)}": f"{name}_factor"
-        for name, quantity in compared().items()
-        if any(f"{name}_factor" in names for names in models.values())
+    columns = {
+        f"in {_heading(one, in_heights=True)}": f"{one.name}_factor"
+        for one in comparisons()
+        if one.is_expected or any(f"{one.name}_factor" in names for names in models.values())
     }
     others = {
         label: names
         for label, names in models.items()
-        if any(factor in names for factor in factors.values())
+        if any(name in names for name in columns.values())
     }
     if others:
         yield _table(
             "factor from the reference, where that has A ~ p or K ~ p; own h_rms",
-            factors,
+            columns,
             others,
         )
 
@@ -125,25 +108,26 @@ def departure_tables(
         One for each quantity and percentage, with a lower and an upper end.
     """
     for percent in PERCENTS:
-        for name, quantity in compared().items():
-            start, end = (f"{name}_agrees_{side}_{percent}" for side in ("from", "to"))
+        for comparison in comparisons():
+            start, end = comparison.ends(percent)
             known = {label: models[label] for label in others if start in models[label]}
             if known:
-                title = f"{plain(quantity.symbol)} within {percent} %"
+                title = _heading(comparison, in_heights=comparison.at_separation)
+                title += f" within {percent} %"
                 yield _table(title, {"from": start, "to": end}, known)
+
+
+def _heading(comparison: Comparison, *, in_heights: bool) -> str:
+    quantity = QUANTITIES[comparison.quantity]
+    symbol = plain(quantity.in_heights if in_heights else quantity.symbol)
+    return f"{symbol} at equal ū/h_rms" if comparison.at_separation else symbol
 
 
 def _table(
     title: str, columns: Mapping[str, str], models: Mapping[str, Mapping[str, Estimate]]
 ) -> Table:
     rows = {
-        label: tuple(_cell(names.get(name, MISSING), name) for name in columns.values())
+        label: tuple(names.get(name, MISSING) for name in columns.values())
         for label, names in models.items()
     }
     return Table(title, tuple(columns), rows)
-
-
-def _cell(estimate: Estimate, name: str) -> Cell:
-    """Return a cell; the lower end of a range is bounded from above, all else from below."""
-    sign = "≤" if "_from" in name else "≥"
-    return Cell(estimate, sign if estimate.is_bound else "")

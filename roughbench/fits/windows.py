@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
+Part = tuple[FloatArray, FloatArray, NDArray[np.bool_]]
+"""Where a part of a step begins and ends, from 0 to 1, and whether there is one."""
 
 _SLACK = 1e-12
 """A band forgives its own rounding."""
@@ -41,26 +44,45 @@ def widest_between(
     >>> float(start[0]), float(end[0])
     (0.5, 2.5)
     """
-    best_start, best_end = np.full(low.shape, math.nan), np.full(low.shape, math.nan)
-    best = np.full(low.shape, -1.0)
-    start, running = np.zeros(low.shape), np.zeros(low.shape, bool)
-    for k in range(x.size - 1):
-        first, last, known = _inside(y[:, k], y[:, k + 1], low, high)
-        width = x[k + 1] - x[k]
-        start = np.where(running & (first == 0.0), start, x[k] + first * width)
-        end = x[k] + last * width
-        better = known & (end - start > best)
+    steps = zip(y[:, :-1].T, y[:, 1:].T, strict=True)
+    return widest_run(x, (part_between(a, b, low, high) for a, b in steps), low.shape)
+
+
+def widest_run(
+    x: FloatArray, parts: Iterable[Part], shape: tuple[int, ...]
+) -> tuple[FloatArray, FloatArray]:
+    """Return the widest interval that consists of parts of neighbouring steps.
+
+    Parameters
+    ----------
+    x : ndarray of float64, shape (P,)
+        Ascending.
+    parts : iterable of Part
+        One for each of the P - 1 steps between them.
+    shape : tuple of int
+        Of the arrays in a part.
+
+    Returns
+    -------
+    (ndarray of float64, ndarray of float64)
+        Both ends, of this shape; nan where there is no such part.
+    """
+    best_start, best_end = np.full(shape, math.nan), np.full(shape, math.nan)
+    best = np.full(shape, -1.0)
+    start, running = np.zeros(shape), np.zeros(shape, bool)
+    for left, right, (first, last, exists) in zip(x[:-1], x[1:], parts, strict=True):
+        start = np.where(running & (first == 0.0), start, left + first * (right - left))
+        end = left + last * (right - left)
+        better = exists & (end - start > best)
         best = np.where(better, end - start, best)
         best_start = np.where(better, start, best_start)
         best_end = np.where(better, end, best_end)
-        running = known & (last == 1.0)
+        running = exists & (last == 1.0)
     return best_start, best_end
 
 
-def _inside(
-    a: FloatArray, b: FloatArray, low: FloatArray, high: FloatArray
-) -> tuple[FloatArray, FloatArray, NDArray[np.bool_]]:
-    """Part of the way from a to b that lies between the levels, within 0 … 1."""
+def part_between(a: FloatArray, b: FloatArray, low: FloatArray, high: FloatArray) -> Part:
+    """Return the part of the straight way from a to b that lies between two levels."""
     known = np.isfinite(a) & np.isfinite(b)
     a, b = np.where(known, a, 0.0), np.where(known, b, 0.0)
     rise = np.where(a == b, 1.0, b - a)

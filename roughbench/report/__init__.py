@@ -13,7 +13,7 @@ from roughbench.fits import RESAMPLES
 from roughbench.outputs import Kind
 from roughbench.report.page import render
 from roughbench.report.sources import ReportSource, read_sources
-from roughbench.verdict import cases_of, judge_cases
+from roughbench.verdict import fit_experiments, judge_experiments
 
 __all__ = ["PAGE", "ReportSource", "make_report", "read_sources"]
 
@@ -42,8 +42,15 @@ def make_report(
         ``reference``.
     """
     sources = read_sources(paths)
-    cases = cases_of(
+    experiments = fit_experiments(
         [(source.name, source.results) for source in sources], reference, resamples
     )
-    verdicts = judge_cases(cases, resamples)
-    return render(sources, verdicts, cases, reference=reference, resamples=resamples)
+    verdicts = judge_experiments(experiments, resamples)
+    return render(
+        sources,
+        [verdict for verdict in verdicts if not verdict.contender],
+        experiments,
+        reference=reference,
+        resamples=resamples,
+        contenders=[verdict for verdict in verdicts if verdict.contender],
+    )

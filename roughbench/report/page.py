@@ -21,7 +21,7 @@ from roughbench.report.text import from_notation, from_remedy, plain, without_fo
 from roughbench.report.verdicts import by_outcome, numbered
 from roughbench.report.warnings import ABOUT, Remark, remarks
 from roughbench.store import FORMAT_VERSION
-from roughbench.verdict import Case, Verdict
+from roughbench.verdict import FittedExperiment, Verdict
 
 MOST_REMARKS = 12
 """Remarks on one topic that are shown at once; longer lists unfold."""
@@ -32,7 +32,7 @@ MOST_CURVES = 8
 def render(
     sources: Sequence[ReportSource],
     verdicts: Sequence[Verdict],
-    cases: Sequence[Case],
+    experiments: Sequence[FittedExperiment],
     *,
     reference: str | None = None,
     resamples: int,
@@ -45,7 +45,7 @@ def render(
     sources : sequence of ReportSource
     verdicts, contenders : sequence of Verdict
         On the paper's claims, and on every model.
-    cases : sequence of Case
+    experiments : sequence of FittedExperiment
         The experiments with their fits.
     reference, resamples : str or None, int
         As they were given for the fits.
@@ -71,7 +71,7 @@ def render(
             files=[
                 _file(f"file-{place}", source, styles) for place, source in enumerate(sources)
             ],
-            fits=list(fit_tables(sources, cases)),
+            fits=list(fit_tables(sources, experiments)),
             remarks=_by_topic(remarks(sources)),
             colours=COLOURS,
             most_points=MOST_POINTS,

@@ -7,12 +7,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
-from roughbench.fits.tables import Cell, Table, departure_tables, law_tables
+from roughbench.fits import Estimate
+from roughbench.fits.tables import Table, departure_tables, law_tables
 from roughbench.report.numbers import measured, number, series
 from roughbench.report.sources import ReportSource
 from roughbench.report.text import RichText, Span, from_heading, joined, without_folders
 from roughbench.results import ModelResult
-from roughbench.verdict import Case
+from roughbench.verdict import FittedExperiment
 
 TableCell = str | RichText
 
@@ -99,24 +100,24 @@ def _counted(models: Sequence[ModelResult]) -> str:
 
 
 def fit_tables(
-    sources: Sequence[ReportSource], cases: Sequence[Case]
+    sources: Sequence[ReportSource], experiments: Sequence[FittedExperiment]
 ) -> Iterator[tuple[RichText, list[ReportTable]]]:
     """Yield a heading and the tables of ``roughbench fit`` for every experiment."""
     by_name = {source.name: source for source in sources}
-    for case in cases:
-        source = by_name[case.source]
-        tables = [_fit_table(source, fits) for fits in law_tables(case.fits)]
-        if case.reference is not None:
-            others = [name for name in case.fits if name != case.reference]
-            ranges = list(departure_tables(case.fits, others))
-            tables += [_departures(source, ranges, case.reference)] * bool(ranges)
-        yield joined([source.name, source.experiment(case.experiment)], ": "), tables
+    for one in experiments:
+        source = by_name[one.source]
+        tables = [_fit_table(source, fits) for fits in law_tables(one.fits)]
+        if one.reference is not None:
+            others = [model.label for model in one.contenders]
+            ranges = list(departure_tables(one.fits, others))
+            tables += [_departures(source, ranges, one.reference)] * bool(ranges)
+        yield joined([source.name, source.experiment(one.experiment)], ": "), tables
 
 
 def _fit_table(source: ReportSource, fits: Table) -> ReportTable:
     rows = [
-        (source.title(label), *(_cell(cell) for cell in cells))
-        for label, cells in fits.rows.items()
+        (source.title(label), *(_cell(found) for found in row))
+        for label, row in fits.rows.items()
     ]
     headings: list[TableCell] = ["Model", *(from_heading(heading) for heading in fits.headings)]
     return ReportTable(headings, rows, from_heading(fits.title))
@@ -137,20 +138,19 @@ def _departures(source: ReportSource, ranges: Sequence[Table], reference: str) -
     return ReportTable(headings, rows, title)
 
 
-def _range(cells: Sequence[Cell]) -> TableCell:
-    if not all(cell.estimate.is_given for cell in cells):
+def _range(ends: Sequence[Estimate]) -> TableCell:
+    if not all(end.is_given for end in ends):
         return "not given"
-    if not all(math.isfinite(cell.estimate.value) for cell in cells):
+    if not all(math.isfinite(end.value) for end in ends):
         return "nowhere"
-    start, end = map(_cell, cells)
+    start, end = map(_cell, ends)
     return [Span(f"{start} "), Span("to", "muted"), Span(f" {end}")]
 
 
-def _cell(cell: Cell) -> str:
-    if not cell.estimate.is_given:
+def _cell(found: Estimate) -> str:
+    if not found.is_given:
         return "not given"
-    error = math.nan if cell.bound else cell.estimate.error
-    return measured(cell.estimate.value, error, cell.bound)
+    return measured(found.value, math.nan if found.bound else found.error, found.bound)
 
 
 # -- where the results come from ---------------------------------------------------------

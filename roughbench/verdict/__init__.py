@@ -26,63 +26,34 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from roughbench.fits import RESAMPLES
-from roughbench.verdict.cases import Case, Source, cases_of
-from roughbench.verdict.claims import ANOTHER, CLAIMS, FOLLOWS, Measurement
+from roughbench.results import Results
+from roughbench.verdict.claims import CLAIMS
+from roughbench.verdict.contenders import judge_contenders
+from roughbench.verdict.experiments import FittedExperiment, fit_experiments
+from roughbench.verdict.judging import Measurement, Range, Verdict
 from roughbench.verdict.rules import Outcome
 
 __all__ = [
-    "ANOTHER",
-    "FOLLOWS",
-    "Case",
+    "FittedExperiment",
     "Measurement",
     "Outcome",
+    "Range",
     "Verdict",
-    "cases_of",
+    "fit_experiments",
     "judge",
-    "judge_cases",
+    "judge_experiments",
 ]
 
 
-@dataclass(frozen=True, slots=True)
-class Verdict:
-    """A claim, what was measured of it, and what follows.
-
-    Attributes
-    ----------
-    key : str
-        Short name.
-    place : str
-        Where the paper says it.
-    claim : str
-        What it says.
-    rule : str
-        How it is decided.
-    measurements : tuple of Measurement
-    outcome : Outcome
-        Over all measurements: fails if one fails, holds if all that were taken hold.
-    remedy : str
-        What spec would test it, or what of it is missing; empty where it is decided.
-    """
-
-    key: str
-    place: str
-    claim: str
-    rule: str
-    measurements: tuple[Measurement, ...]
-    outcome: Outcome
-    remedy: str
-
-
 def judge(
-    sources: Sequence[Source],
+    sources: Sequence[tuple[str, Results]],
     *,
     reference: str | None = None,
     resamples: int = RESAMPLES,
 ) -> list[Verdict]:
-    """Hold results against every claim of the paper.
+    """Hold results against every claim of the paper, and contenders against the exact solution.
 
     Parameters
     ----------
@@ -97,7 +68,8 @@ def judge(
     Returns
     -------
     list of Verdict
-        One a claim, in the paper's order.
+        One a claim, in the paper's order; then one for every other model than the exact one,
+        whose ``contender`` is its label.
 
     Raises
     ------
@@ -106,30 +78,12 @@ def judge(
     ValueError
         If there are fewer than two resamples.
     """
-    return judge_cases(cases_of(sources, reference, resamples), resamples)
+    return judge_experiments(fit_experiments(sources, reference, resamples), resamples)
 
 
-def judge_cases(cases: Sequence[Case], resamples: int = RESAMPLES) -> list[Verdict]:
-    """Hold fitted results against every claim of the paper.
-
-    Parameters
-    ----------
-    cases : sequence of Case
-        As :func:`cases_of` returns them.
-    resamples : int
-        As it was given to it.
-
-    Returns
-    -------
-    list of Verdict
-        One a claim, in the paper's order.
-    """
-    verdicts = []
-    for claim in CLAIMS:
-        found = tuple(claim.measure(cases, resamples))
-        outcome = claim.outcome(found)
-        remedy = "" if outcome == Outcome.FAILS or not claim.lacks(found) else claim.remedy
-        verdicts.append(
-            Verdict(claim.key, claim.place, claim.claim, claim.rule, found, outcome, remedy)
-        )
-    return verdicts
+def judge_experiments(
+    experiments: Sequence[FittedExperiment], resamples: int = RESAMPLES
+) -> list[Verdict]:
+    """Return the verdicts on experiments that are fitted already, as :func:`judge` does."""
+    claims = [claim.judge(experiments, resamples) for claim in CLAIMS]
+    return [*claims, *judge_contenders(experiments)]

@@ -11,7 +11,7 @@ an infinite one for its 68 % interval.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -29,6 +29,22 @@ class Outcome(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
+class PowerLaw:
+    """An exponent that depends on the Hurst exponent H.
+
+    Attributes
+    ----------
+    text : str
+        Its formula.
+    exponent : callable
+        Its value for an H.
+    """
+
+    text: str
+    exponent: Callable[[float], float]
+
+
+@dataclass(frozen=True, slots=True)
 class Rule:
     """Where a claim wants a value.
 
@@ -36,89 +52,120 @@ class Rule:
     ----------
     inside : (float, float)
         It holds if the whole interval lies in here.
-    outside : (float, float) or None
-        It fails if the whole interval lies out of here; default: ``inside``.
+    outside : (float, float)
+        It fails if the whole interval lies out of here.
     of_ratio : bool
         Whether the value is a positive ratio, whose error is one of its logarithm.
+    law : PowerLaw or None
+        What both are counted from; default: from zero.
+    unit : str
+        Of the value, in the singular.
     """
 
     inside: tuple[float, float]
-    outside: tuple[float, float] | None = None
+    outside: tuple[float, float]
     of_ratio: bool = False
+    law: PowerLaw | None = None
+    unit: str = ""
 
-    def decide(self, low: float, high: float) -> Outcome:
-        """Return what an interval says."""
-        if self.inside[0] <= low and high <= self.inside[1]:
+    @property
+    def text(self) -> str:
+        """The rule in words, made from its numbers."""
+        (low, high), (lowest, highest) = self.inside, self.outside
+        if math.isinf(high):
+            text, last = f"at least {low:g}", low
+            ending = f" (fails up to {lowest:g})" if lowest < low else ""
+        elif math.isinf(low):
+            text, last = f"at most {high:g}", high
+            ending = f" (fails from {highest:g} on)" if highest > high else ""
+        elif self.of_ratio:
+            text, last = f"{math.sqrt(low * high):g}", math.inf
+            ending = f" within a factor {math.sqrt(high / low):g}"
+        else:
+            centre, last = 0.5 * (low + high), 0.5 * (high - low)
+            text = f"{self.law.text if self.law else f'{centre:g}'} ± {last:g}"
+            ending = ""
+        unit = f" {self.unit}{'s' * (last != 1.0)}" if self.unit else ""
+        return f"{text}{unit}{ending}".replace("-", "−")
+
+    def decide(self, estimate: Estimate, hurst: float = math.nan) -> Outcome:
+        """Return what an estimate says of the claim.
+
+        Parameters
+        ----------
+        estimate : Estimate
+        hurst : float
+            H of the surface, for rules with a law.
+
+        Returns
+        -------
+        Outcome
+            ``NOT_TESTED`` where there is no value, ``UNDECIDED`` where an error is expected
+            and there is none.
+        """
+        x, low, high = estimate.value, estimate.low, estimate.high
+        if math.isnan(x):
+            return Outcome.NOT_TESTED
+        if math.isnan(low):
+            if estimate.count:
+                return Outcome.UNDECIDED
+            low = high = x
+        if math.isfinite(x):  # an infinite value is at no distance of its quantiles
+            low, high = min(x, low), max(x, high)
+            wider = 2.0
+            if estimate.count > 1:
+                wider = student(0.975, estimate.count) / student(0.84, estimate.count)
+            if self.of_ratio and low > 0.0:
+                low, high = x * (low / x) ** wider, x * (high / x) ** wider
+            else:
+                low, high = x - wider * (x - low), x + wider * (high - x)
+        if estimate.bound == "≥":
+            high = math.inf
+        elif estimate.bound == "≤":
+            low = -math.inf
+        zero = self.law.exponent(hurst) if self.law else 0.0
+        if zero + self.inside[0] <= low and high <= zero + self.inside[1]:
             return Outcome.HOLDS
-        wider = self.outside or self.inside
-        if high < wider[0] or low > wider[1]:
+        if high < zero + self.outside[0] or low > zero + self.outside[1]:
             return Outcome.FAILS
         return Outcome.UNDECIDED
 
 
 def at_least(
-    threshold: float, *, fails_below: float | None = None, of_ratio: bool = False
+    threshold: float,
+    unit: str = "",
+    *,
+    fails_below: float | None = None,
+    of_ratio: bool = False,
 ) -> Rule:
     """Return the rule for values that must reach a threshold."""
     lower = threshold if fails_below is None else fails_below
-    return Rule((threshold, math.inf), (lower, math.inf), of_ratio)
+    return Rule((threshold, math.inf), (lower, math.inf), of_ratio, unit=unit)
 
 
 def at_most(
-    threshold: float, *, fails_above: float | None = None, of_ratio: bool = False
+    threshold: float,
+    unit: str = "",
+    *,
+    fails_above: float | None = None,
+    of_ratio: bool = False,
 ) -> Rule:
     """Return the rule for values that must not pass a threshold."""
     upper = threshold if fails_above is None else fails_above
-    return Rule((-math.inf, threshold), (-math.inf, upper), of_ratio)
+    return Rule((-math.inf, threshold), (-math.inf, upper), of_ratio, unit=unit)
 
 
 def about(target: float, factor: float) -> Rule:
     """Return the rule for ratios that must be ``target`` within a factor."""
-    return Rule((target / factor, target * factor), of_ratio=True)
+    ends = (target / factor, target * factor)
+    return Rule(ends, ends, of_ratio=True)
 
 
-def near(target: float, tolerance: float) -> Rule:
+def near(target: float | PowerLaw, tolerance: float, unit: str = "") -> Rule:
     """Return the rule for values that must be ``target`` within ``tolerance``."""
-    return Rule((target - tolerance, target + tolerance))
-
-
-def decide(rule: Rule, estimate: Estimate, bound: str = "") -> Outcome:
-    """Return what an estimate says of a claim.
-
-    Parameters
-    ----------
-    rule : Rule
-    estimate : Estimate
-    bound : {"", "≤", "≥"}
-        Whether its value is a bound.
-
-    Returns
-    -------
-    Outcome
-        ``NOT_TESTED`` where there is no value, ``UNDECIDED`` where an error is expected
-        and there is none.
-    """
-    x, low, high = estimate.value, estimate.low, estimate.high
-    if math.isnan(x):
-        return Outcome.NOT_TESTED
-    if math.isnan(low):
-        if estimate.count:
-            return Outcome.UNDECIDED
-        low = high = x
-    if math.isfinite(x):  # an infinite value is at no distance of its quantiles
-        low, high = min(x, low), max(x, high)
-        wider = 2.0
-        if estimate.count > 1:
-            wider = student(0.975, estimate.count) / student(0.84, estimate.count)
-        if rule.of_ratio and low > 0.0:
-            low, high = x * (low / x) ** wider, x * (high / x) ** wider
-        else:
-            low, high = x - wider * (x - low), x + wider * (high - x)
-    if bound == "≥":
-        high = math.inf
-    elif bound == "≤":
-        low = -math.inf
-    return rule.decide(low, high)
+    law, centre = (target, 0.0) if isinstance(target, PowerLaw) else (None, target)
+    ends = (centre - tolerance, centre + tolerance)
+    return Rule(ends, ends, law=law, unit=unit)
 
 
 def together(outcomes: Iterable[Outcome]) -> Outcome:

@@ -12,8 +12,10 @@ from click.testing import Result
 
 import roughbench as rb
 from roughbench.cli.fit import command
-from roughbench.cli.fit_tables import to_json
+from roughbench.cli.fit_tables import as_text, to_json
 from roughbench.fits import RESAMPLES, fit
+from tests.fits.lawful import collect, make
+from tests.fits.test_comparisons import exact_curves, without
 
 Invoke = Callable[..., Result]
 
@@ -91,6 +93,20 @@ def test_json_is_strict_and_complete(fits: Path, invoke: Invoke) -> None:
     persson = content["experiments"]["surface.qr=4.0"]["persson"]
     assert persson["kappa"]["error"] is None
     assert json.loads(to_json(rb.load(fits), found, "persson", 20)) == content
+
+
+def test_what_a_model_does_not_give_is_said() -> None:
+    bare = without(make(exact_curves(), "erf09"), "separation", "stiffness")
+    results = collect(make(exact_curves()), bare)
+    fitted = fit(results, resamples=10)
+    text = as_text(results, fitted, "file.h5", None)
+    assert "A/A0 at equal ū/h_rms within 10 %: from" in text
+    row = text.split("in K h_rms at equal ū/h_rms\n")[1].splitlines()[0]
+    assert row.split() == ["erf09", "1", "±", "0", *["not", "given"] * 4]
+    content = json.loads(to_json(results, fitted, None, 10))["experiments"]["main"]["erf09"]
+    assert content["kappa"]["value"] is not None
+    assert "stiffness_agrees_to_10" not in content
+    assert "area_at_separation_factor" not in content
 
 
 def test_the_same_file_gives_the_same_errors(fits: Path, invoke: Invoke) -> None:

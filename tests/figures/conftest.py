@@ -34,6 +34,8 @@ TITLES = {
     "hertz_top": "Top",
 }
 PRESSURE = np.array([1e-4, 1e-3, 1e-2, 1e-1])
+PRESSED = [1e-5, 9.82982e-05, 0.000210569, 0.000451068, 0.00206985, 0.2]
+"""Pressures of ``computed`` whose fields are kept."""
 
 
 @pytest.fixture
@@ -119,6 +121,7 @@ def computed() -> Results:
             "realizations": 20,
             "seed": 7,
             "models": [{"kind": "foundation", "springs": 128}, {"kind": "persson"}],
+            "save_fields": {"pressures": PRESSED, "realizations": [0]},
             "sweep": {"surface.qr": [1.0, 4.0]},
         }
     )

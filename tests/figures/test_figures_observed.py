@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -20,8 +21,10 @@ from roughbench.figures.styles import CurveStyle, curve_styles
 from roughbench.figures.observed import DECADES, MOST_PANELS, THEORY, Line, panels
 from roughbench.figures.style import publication_style
 from roughbench.observables import OBSERVABLES
-from roughbench.results import Results
+from roughbench.results import ModelResult, Results
 
+Make = Callable[..., ModelResult]
+Collect = Callable[..., Results]
 X = np.geomspace(1.0, 100.0, 5)
 STYLES = {"A": CurveStyle("", (), "#000000", 1), "B": CurveStyle("", (3, 1), "#009E73", 1)}
 
@@ -167,14 +170,16 @@ def test_files_are_the_same_for_the_same_data(observed: Results, tmp_path: Path)
         assert path.read_bytes() == (tmp_path / "other" / path.name).read_bytes()
 
 
-def test_results_say_which_figures_they_allow(observed: Results, computed: Results) -> None:
+def test_results_say_which_figures_they_allow(
+    observed: Results, computed: Results, make: Make, collect: Collect
+) -> None:
     own = [*(one.variable for one in OBSERVABLES.values()), "contact"]
     assert figures.available(observed)[-len(own) :] == own
-    assert not set(figures.available(computed)) & set(own)
+    assert set(figures.available(computed)) & set(own) == {"contact"}
     with pytest.raises(StoreError, match="needs the observable clusters, which a spec asks"):
         figures.render(computed, "clusters", Path("nowhere"))
     with pytest.raises(StoreError, match="needs fields, which a spec asks for with save_fi"):
-        figures.render(computed, "contact", Path("nowhere"))
+        figures.render(collect(make()), "contact", Path("nowhere"))
 
 
 def test_no_line_is_drawn_twice() -> None:

@@ -31,11 +31,13 @@ PAPER = ["foundation", "spectrum", *CURVES]
 
 
 def test_a_full_run_allows_all_figures(computed: Results) -> None:
-    assert figures.available(computed) == PAPER == list(figures.FIGURES)[: len(PAPER)]
+    assert figures.available(computed) == [*PAPER, "contact"]
+    assert list(figures.FIGURES)[: len(PAPER)] == PAPER
 
 
 def test_there_is_a_pdf_and_a_png_of_each_and_nothing_else(rendered: Path) -> None:
-    expected = {f"{name}.{suffix}" for name in PAPER for suffix in ("pdf", "png")}
+    names = [*PAPER, "contact"]
+    expected = {f"{name}.{suffix}" for name in names for suffix in ("pdf", "png")}
     assert {path.name for path in rendered.iterdir()} == expected
 
 
@@ -113,24 +115,40 @@ def test_without_a_foundation_there_is_no_fig_1(
     assert figures.available(results) == ["spectrum", *CURVES]
     with pytest.raises(
         rb.StoreError,
-        match=r"figure 'foundation' needs a foundation .*allow: spectrum, area, separation",
+        match=r"needs the fields of a foundation, .*allow: spectrum, area, separation",
     ):
         figures.render(results, "foundation", tmp_path)
     assert not list(tmp_path.iterdir())
+
+
+def test_without_fields_fig_1_says_what_to_add_to_the_spec(
+    small_spec: dict[str, Any], draw: Draw, tmp_path: Path
+) -> None:
+    small_spec |= {"pressures": [1e-3], "models": [{"kind": "foundation", "springs": 128}]}
+    results = rb.run(small_spec)
+    assert "foundation" not in figures.available(results)
+    with pytest.raises(
+        rb.StoreError,
+        match=r"asks for with save_fields: \{pressures: \[\.\.\.\], realizations: \[0\]\}",
+    ):
+        figures.render(results, "foundation", tmp_path)
+    small_spec["save_fields"] = {"pressures": [1e-3], "realizations": [0]}
+    draw(rb.run(small_spec), "foundation")
 
 
 def test_full_contact_everywhere_has_no_fig_1_and_no_stiffness(
     small_spec: dict[str, Any], draw: Draw, tmp_path: Path
 ) -> None:
     small_spec |= {"pressures": [1.0, 2.0], "models": [{"kind": "foundation", "springs": 128}]}
+    small_spec["save_fields"] = {"pressures": [1.0], "realizations": [0]}
     results = rb.run(small_spec)
-    assert figures.available(results) == ["spectrum", "area", "separation", "fig3"]
+    assert figures.available(results) == ["spectrum", "area", "separation", "fig3", "contact"]
     draw(results, "fig3")
     with pytest.raises(rb.StoreError, match="needs a model with a finite stiffness"):
         figures.render(results, "stiffness", tmp_path)
 
 
-def test_heights_from_a_file_have_curves_only(tmp_path: Path) -> None:
+def test_heights_from_a_file_have_no_spectrum(tmp_path: Path) -> None:
     x = np.linspace(0.0, 2.0 * np.pi, 64, endpoint=False)
     np.save(tmp_path / "line.npy", np.cos(x) + 0.2 * np.sin(5.0 * x))
     spec = {
@@ -138,22 +156,21 @@ def test_heights_from_a_file_have_curves_only(tmp_path: Path) -> None:
         "pressures": [1e-3, 1e-2, 1e-1],
         "models": [{"kind": "foundation"}],
     }
+    fields = {"save_fields": {"pressures": [1e-3], "realizations": [0]}}
+    assert figures.available(rb.run(spec | fields)) == ["foundation", *CURVES, "contact"]
     results = rb.run(spec)
     assert figures.available(results) == CURVES
     with pytest.raises(rb.StoreError, match="'spectrum' needs a surface given by its spectrum"):
         figures.render(results, "spectrum", tmp_path)
     (tmp_path / "line.npy").unlink()
     assert figures.available(results) == CURVES
-    needed = "'foundation' needs a foundation on a surface given by its spectrum"
-    with pytest.raises(rb.StoreError, match=needed):
-        figures.render(results, "foundation", tmp_path)
 
 
-def test_a_spec_that_cannot_be_read_leaves_the_curves(
+def test_a_spec_that_cannot_be_read_leaves_what_is_in_the_results(
     computed: Results, tmp_path: Path
 ) -> None:
     results = replace(computed, spec_text="surface: {H: 7}")
-    assert figures.available(results) == CURVES
+    assert figures.available(results) == ["foundation", *CURVES, "contact"]
     with pytest.raises(rb.StoreError, match="'spectrum' needs the results' spec"):
         figures.render(results, "spectrum", tmp_path)
 

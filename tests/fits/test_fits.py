@@ -10,7 +10,7 @@ import pytest
 import roughbench as rb
 from roughbench.errors import StoreError
 from roughbench.fits import fit
-from roughbench.fits.laws import fit_departures, fit_factor
+from roughbench.fits.comparisons import fit_departures, fit_factor
 from roughbench.fits.resampling import draw_counts, estimate, resampled_means
 from roughbench.results import ModelResult
 from tests.fits.lawful import (

@@ -14,7 +14,7 @@ import roughbench as rb
 from roughbench.report.page import render
 from roughbench.report.sources import ReportSource
 from roughbench.results import ModelResult, Results
-from roughbench.verdict import Measurement, Outcome, Verdict, cases_of
+from roughbench.verdict import Measurement, Outcome, Verdict, fit_experiments
 
 SPEC: dict[str, Any] = {
     "name": "small",
@@ -109,9 +109,11 @@ def page_of(
         ReportSource(f"{number}-{name}" if number > 1 else name, content)
         for number, content in enumerate(results, 1)
     ]
-    cases = cases_of([(source.name, source.results) for source in sources], None, RESAMPLES)
+    experiments = fit_experiments(
+        [(source.name, source.results) for source in sources], None, RESAMPLES
+    )
     given = [a_verdict(1)] if verdicts is None else verdicts
-    return render(sources, given, cases, resamples=RESAMPLES)
+    return render(sources, given, experiments, resamples=RESAMPLES)
 
 
 class Page(HTMLParser):

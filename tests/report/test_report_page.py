@@ -47,13 +47,15 @@ def page(report: str) -> Page:
 def test_every_verdict_of_the_results_has_a_row(page: Page, small: Results) -> None:
     verdicts = judge([("small.h5", small)], resamples=RESAMPLES)
     rows = [given["id"] for tag, given in page.elements if tag == "tr" and "id" in given]
-    untested = [v for v in verdicts if v.outcome is Outcome.NOT_TESTED]
-    tested = [v for v in verdicts if v not in untested]
+    contenders = [v for v in verdicts if v.contender]
+    claims = [v for v in verdicts if not v.contender]
+    untested = [v for v in claims if v.outcome is Outcome.NOT_TESTED]
+    tested = [v for v in claims if v not in untested]
     assert tested
     assert untested
-    assert rows == [f"claim-{verdict.key}" for verdict in (*tested, *untested)]
+    assert rows == [f"claim-{verdict.key}" for verdict in (*tested, *untested, *contenders)]
     links = {given.get("href") for tag, given in page.elements if tag == "a"}
-    assert {f"#{row}" for row in rows} <= links
+    assert {f"#claim-{verdict.key}" for verdict in claims} <= links
 
 
 def test_a_verdict_is_told_in_full() -> None:

@@ -101,9 +101,9 @@ def test_models_have_verdicts_of_their_own_after_the_claims() -> None:
     text = render([], claims, [], resamples=10, contenders=[a_verdict(3)])
     rows = re.findall(r'<tr id="claim-claim-(\d)"><th scope="row">(\d)</th>', text)
     assert rows == [("1", "1"), ("2", "2"), ("3", "3")]
-    assert "Every model against the exact solution" in text
+    assert "Every contender against the exact solution" in text
     assert "against the 2 claims" in text
-    assert "Every model against" not in render([], claims, [], resamples=10)
+    assert "Every contender against" not in render([], claims, [], resamples=10)
 
 
 def test_a_quantity_that_a_model_has_not_is_not_given(small: Results) -> None:

@@ -47,6 +47,7 @@ def judged(*experiments: Results) -> dict[str, Verdict]:
 def test_every_claim_is_there_once_with_all_that_a_reader_needs() -> None:
     verdicts = judge([("one", results(model(curves())))], resamples=20)
     assert [verdict.key for verdict in verdicts] == [claim.key for claim in CLAIMS]
+    assert not any(verdict.contender for verdict in verdicts)
     assert len({claim.key for claim in CLAIMS}) == len(CLAIMS)
     for verdict in verdicts:
         assert verdict.place

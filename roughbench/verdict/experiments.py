@@ -1,4 +1,4 @@
-"""The experiments that claims are tested on, with their fits, and pairs of them."""
+"""The experiments that claims are tested on, with their fits, and groups of them."""
 
 from __future__ import annotations
 
@@ -9,16 +9,15 @@ from roughbench.errors import StoreError
 from roughbench.fits import Estimate, fit, reference_of
 from roughbench.results import ModelResult, Results
 
-Source = tuple[str, Results]
-"""A name, such as that of the file, and its results."""
-
+EXACT = ("exact",)
+"""Instead of kinds of models: the model that is taken for exact, whatever its kind."""
 _SPECTRUM = ("hurst", "q_min", "q_rolloff", "q_max", "below_rolloff", "rms_slope", "length")
 _SAMPLE = ("amplitude", "seed")
 
 
 @dataclass(frozen=True, slots=True)
-class Case:
-    """One experiment.
+class FittedExperiment:
+    """An experiment with the fits of its models.
 
     Attributes
     ----------
@@ -45,38 +44,43 @@ class Case:
         """The exact solution."""
         return None if self.reference is None else self.models[self.reference]
 
-    def of_kind(self, *kinds: str) -> Iterator[ModelResult]:
-        """Yield the models of some kinds but the reference; ``reference`` is it alone."""
-        for label, model in self.models.items():
-            if ("reference" in kinds) if label == self.reference else (model.kind in kinds):
-                yield model
+    @property
+    def contenders(self) -> list[ModelResult]:
+        """All models but the exact solution."""
+        return [one for label, one in self.models.items() if label != self.reference]
+
+    def of_kinds(self, kinds: Sequence[str]) -> list[ModelResult]:
+        """Return the contenders of some kinds, or for :data:`EXACT` the exact solution."""
+        if kinds == EXACT:
+            return [] if self.exact is None else [self.exact]
+        return [model for model in self.contenders if model.kind in kinds]
 
     def where(self, model: ModelResult) -> str:
         """Say which model of which experiment."""
         return f"{self.place}/{model.label}"
 
 
-def cases_of(sources: Sequence[Source], reference: str | None, resamples: int) -> list[Case]:
+def fit_experiments(
+    sources: Sequence[tuple[str, Results]], reference: str | None, resamples: int
+) -> list[FittedExperiment]:
     """Fit every experiment of some results.
 
     Parameters
     ----------
     sources : sequence of (str, Results)
+        Each with a name, such as that of its file.
     reference : str or None
         Label of the model that is taken for exact; default, and where there is none of
         this label: the first ``bem``.
     resamples : int
-
-    Returns
-    -------
-    list of Case
+        Of the bootstrap that the errors come from, at least 2.
 
     Raises
     ------
     StoreError
         If no results have a model of this label.
     """
-    cases = []
+    experiments = []
     for name, results in sources:
         for experiment, models in results.items():
             known = reference is None or reference in models
@@ -84,31 +88,44 @@ def cases_of(sources: Sequence[Source], reference: str | None, resamples: int) -
             alone = Results({experiment: models}, results.spec_text, results.spec_sha256)
             fits = fit(alone, reference=label, resamples=resamples)[experiment]
             place = experiment if len(sources) == 1 else f"{name}: {experiment}"
-            cases.append(Case(name, experiment, place, dict(models), fits, label))
-    labels = dict.fromkeys(label for case in cases for label in case.models)
+            experiments.append(
+                FittedExperiment(name, experiment, place, dict(models), fits, label)
+            )
+    labels = dict.fromkeys(label for one in experiments for label in one.models)
     if reference is not None and reference not in labels:
         raise StoreError(f"no model is named {reference!r}; choose one of {', '.join(labels)}")
-    return cases
+    return experiments
 
 
-def alike_but(cases: Sequence[Case], name: str) -> list[list[Case]]:
-    """Return groups of cases whose exact surfaces differ in one property alone.
+def models_of(
+    experiments: Sequence[FittedExperiment], kinds: Sequence[str]
+) -> Iterator[tuple[FittedExperiment, ModelResult, Mapping[str, Estimate]]]:
+    """Yield every model of some kinds, with its experiment and its fits."""
+    for experiment in experiments:
+        for model in experiment.of_kinds(kinds):
+            yield experiment, model, experiment.fits[model.label]
+
+
+def that_differ_in(
+    name: str, experiments: Sequence[FittedExperiment]
+) -> list[list[tuple[FittedExperiment, ModelResult]]]:
+    """Return groups of experiments whose exact surfaces differ in one property alone.
 
     Parameters
     ----------
-    cases : sequence of Case
     name : str
         Attribute of the results: ``length``, ``q_rolloff`` or ``below_rolloff``.
+    experiments : sequence of FittedExperiment
 
     Returns
     -------
-    list of list of Case
-        In the order of rising values; each group holds at least two values. Equal
-        pressures, seeds and points on the shortest wave go without saying.
+    list of list of (FittedExperiment, ModelResult)
+        With their exact solutions, in the order of rising values; each group holds at least
+        two values. Pressures, seeds and points on the shortest wave are equal as well.
     """
-    groups: dict[tuple[object, ...], dict[object, Case]] = {}
-    for case in cases:
-        exact = case.exact
+    groups: dict[tuple[object, ...], dict[object, tuple[FittedExperiment, ModelResult]]] = {}
+    for experiment in experiments:
+        exact = experiment.exact
         if exact is None or any(key not in exact.attributes for key in _SPECTRUM):
             continue
         key = (
@@ -120,7 +137,8 @@ def alike_but(cases: Sequence[Case], name: str) -> list[list[Case]]:
                 / float(exact.attributes["length"])
             ),
         )
-        groups.setdefault(key, {}).setdefault(exact.attributes[name], case)
+        group = groups.setdefault(key, {})
+        group.setdefault(exact.attributes[name], (experiment, exact))
     return [
         [group[value] for value in sorted(group, key=_order)]
         for group in groups.values()
