@@ -128,11 +128,10 @@ def dimensions(name: str, n_axes: int | None = None) -> Axes:
     if is_known(name):
         axes, _ = _known()[name]
         return ("field", "x") if axes == _AT_POINTS and n_axes == 2 else axes
-    base, _, suffix = name.rpartition("_")
     if n_axes == 1:
-        return (name,) if suffix in ("bin", "edges") else ("pressure",)
-    if n_axes == 2 and suffix in ("mean", "sem", "persson"):
-        return ("pressure", f"{base}_bin")
+        return (name,) if name.endswith(("_bin", "_edges")) else ("pressure",)
+    if n_axes == 2 and name.endswith(("_mean", "_sem", "_persson")):
+        return ("pressure", f"{name.rpartition('_')[0]}_bin")
     return (*STATES, f"{name}_bin") if n_axes == 3 else STATES
 
 

@@ -63,9 +63,20 @@ def carry_out(
 ) -> Outcome:
     """Compute a task in this process; says how many states are done, and when it compiles."""
     meter = Meter()
+    of_listener: list[Exception] = []
+
+    def report(done: int) -> None:
+        try:
+            advanced(done)
+        except Exception as error:
+            of_listener.append(error)
+            raise
+
     try:
         with compiling_told(compiling):
-            return Outcome(compute(task, advanced, checkpoint), meter.read())
+            return Outcome(compute(task, report, checkpoint), meter.read())
     except Exception as error:  # noqa: BLE001, RUF100  (whatever it is, it is this task's end)
         trace = "".join(traceback.format_exception(error))
-        return Outcome(error=blamed(task.cell.model, error, str(task)), trace=trace)
+        if error not in of_listener:
+            error = blamed(task.cell.model, error, str(task))
+        return Outcome(error=error, trace=trace)
