@@ -53,6 +53,14 @@ def test_compare_results(small_spec: dict[str, Any], tmp_path: Path) -> None:
     assert {float(row[2].rstrip(",")) for row in same} == {0.0}
 
 
+def test_a_theory_of_ones_own() -> None:
+    models = rb.run(EXAMPLES / "mytheory.yaml")["main"]
+    assert list(models) == ["bem", "persson", "erf09"]
+    assert "stiffness" not in models["erf09"]
+    ratio = models["erf09"]["area_mean"] / models["persson"]["area_mean"]
+    assert ratio[0] == pytest.approx(0.9, rel=0.01)  # both proportional to p
+
+
 def test_the_notebook(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MPLBACKEND", "Agg")
     notebook = json.loads((EXAMPLES / "first_run.ipynb").read_text(encoding="utf-8"))
