@@ -188,12 +188,7 @@ class Results(Mapping[str, Mapping[str, ModelResult]]):
         return len(self.experiments)
 
     def models(self) -> Iterator[tuple[str, ModelResult]]:
-        """Every (experiment, result), in the order of the spec.
-
-        Yields
-        ------
-        (str, ModelResult)
-        """
+        """Every (experiment, result), in the order of the spec."""
         for experiment, models in self.experiments.items():
             for result in models.values():
                 yield experiment, result

@@ -208,10 +208,6 @@ def self_affine(
     below_rolloff : {"rolloff", "cutoff"}
         Below ``q_rolloff`` the spectrum is flat, or zero.
 
-    Returns
-    -------
-    Spectrum
-
     Raises
     ------
     SurfaceError

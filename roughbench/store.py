@@ -101,10 +101,6 @@ def written_results(results: Results, path: Path) -> Iterator[Path]:
 def load(path: str | os.PathLike[str]) -> Results:
     """Read a results file.
 
-    Parameters
-    ----------
-    path : str or path
-
     Returns
     -------
     Results
@@ -132,10 +128,6 @@ def load(path: str | os.PathLike[str]) -> Results:
 @contextlib.contextmanager
 def opened(path: str | os.PathLike[str]) -> Iterator[Results]:
     """Give the content of a results file, of which each variable is read when asked for.
-
-    Parameters
-    ----------
-    path : str or path
 
     Yields
     ------

@@ -31,10 +31,6 @@ def realization_generator(seed: int, realization: int) -> np.random.Generator:
         The spec's seed, ≥ 0.
     realization : int
         Index of the realization, from 0.
-
-    Returns
-    -------
-    numpy.random.Generator
     """
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(realization,)))
 

@@ -28,10 +28,6 @@ def as_text(results: Results, fitted: Fitted, source: str, reference: str | None
         Name of the file, for the title.
     reference : str or None
         As it was given to it.
-
-    Returns
-    -------
-    str
     """
     heading = (
         f"{source}: {results.name}\n"
@@ -96,19 +92,7 @@ def _text(number: Estimate) -> str:
 
 
 def to_json(results: Results, fitted: Fitted, reference: str | None, resamples: int) -> str:
-    """Return all fits as strict JSON; what is not defined is null.
-
-    Parameters
-    ----------
-    results : Results
-    fitted : mapping
-    reference : str or None
-    resamples : int
-
-    Returns
-    -------
-    str
-    """
+    """Return all fits as strict JSON; what is not defined is null."""
     content = {
         "name": results.name,
         "spec_sha256": results.spec_sha256,

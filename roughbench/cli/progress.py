@@ -113,10 +113,6 @@ def progress_shown(*, quiet: bool, verbose: bool) -> Iterator[Report | None]:
         Show warnings only.
     verbose : bool
         Show the log.
-
-    Yields
-    ------
-    callable or None
     """
     from tqdm import tqdm
 

@@ -46,10 +46,6 @@ def as_text(results: Results, source: str) -> str:
     results : Results
     source : str
         Name of the file, for the title.
-
-    Returns
-    -------
-    str
     """
     blocks = [f"{source}: {results.name} (spec sha256 {results.spec_sha256[:12]})"]
     for experiment, models in results.items():

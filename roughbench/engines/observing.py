@@ -33,12 +33,6 @@ _PRESSURE, _GAP = "field_pressure.", "field_gap."
 class Observer:
     """Takes from the states of one realization what its cell asks of their fields.
 
-    Parameters
-    ----------
-    task : Task
-    realization : int
-    sample : Sample
-
     Attributes
     ----------
     fields : dict of int to Fields
@@ -173,10 +167,6 @@ def averages(
         Of all states.
     converged : ndarray of bool, shape (realizations, pressures)
         States that count.
-
-    Returns
-    -------
-    dict of str to ndarray
     """
     found: dict[str, Array] = {}
     theories: dict[str, Array] = {}

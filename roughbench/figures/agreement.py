@@ -77,10 +77,6 @@ def agreement(
     factor : float
         Greater than 1.
 
-    Returns
-    -------
-    Agreement
-
     Examples
     --------
     >>> p = [1.0, 10.0, 100.0]

@@ -127,10 +127,6 @@ def choose_window(in_contact: NDArray[np.bool_]) -> Window:
     Parameters
     ----------
     in_contact : ndarray of bool, shape (N,)
-
-    Returns
-    -------
-    Window
     """
     steps = [1]
     while in_contact.size > 2 * WINDOW * steps[-1]:

@@ -63,10 +63,6 @@ def new_figure(
     share : bool
         Whether all panels have the same limits of the pressure, and each row those of
         the ordinate.
-
-    Returns
-    -------
-    (Figure, list of Axes)
     """
     from matplotlib.figure import Figure
 

@@ -78,10 +78,6 @@ def comparisons() -> list[Comparison]:
 def compare(one: Averages, reference: Averages) -> dict[str, Estimate]:
     """Return where a model agrees with the reference, and the factor between them.
 
-    Parameters
-    ----------
-    one, reference : Averages
-
     Returns
     -------
     dict of str to Estimate

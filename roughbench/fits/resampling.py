@@ -65,10 +65,6 @@ def draw_counts(n_realizations: int, resamples: int, seed: int) -> FloatArray:
     Equal numbers of realizations get equal counts, so that models on the same surfaces
     are resampled together.
 
-    Parameters
-    ----------
-    n_realizations, resamples, seed : int
-
     Returns
     -------
     ndarray of float64, shape (1 + resamples, n_realizations)
@@ -162,10 +158,6 @@ def estimate(
         Which it is then.
     count : int
         Number n of realizations that were drawn from; 0 widens nothing.
-
-    Returns
-    -------
-    Estimate
     """
     value = float(values[0])
     bound = bound if bounds is not None and math.isfinite(value) and bounds[0] else ""

@@ -38,10 +38,6 @@ def law_tables(models: Mapping[str, Mapping[str, Estimate]]) -> Iterator[Table]:
     ----------
     models : mapping of str to mapping of str to Estimate
         By label and name, as :func:`roughbench.fits.fit` returns them for an experiment.
-
-    Yields
-    ------
-    Table
     """
     yield _table(
         "",

@@ -28,10 +28,6 @@ def spring_fields(
     modulus : float
         k_w/E*, 1/length.
 
-    Returns
-    -------
-    Fields
-
     Examples
     --------
     >>> fields = spring_fields([3.0, 2.0, 0.0, 0.0], 0.5, 0.75, modulus=1.0)

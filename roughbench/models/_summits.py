@@ -51,10 +51,6 @@ def find_summits(heights: ArrayLike, length: float) -> Summits:
     length : float
         Period along the first axis, length.
 
-    Returns
-    -------
-    Summits
-
     Raises
     ------
     SolverError

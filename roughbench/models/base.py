@@ -436,10 +436,6 @@ class Model(BaseModel, ABC):
         finished : mapping of str to ndarray, optional
             What :attr:`State.snapshot` of the same curve returned: only the states after
             that one are yielded, to the bits that they would have had.
-
-        Yields
-        ------
-        State
         """
         del threads
         if type(self).curve is Model.curve:

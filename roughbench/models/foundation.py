@@ -131,10 +131,6 @@ def full_contact_pressure(heights: ArrayLike, length: float) -> float:
     length : float
         Length L of the line.
 
-    Returns
-    -------
-    float
-
     Examples
     --------
     >>> full_contact_pressure([0.0, 1.0, 0.0, -1.0], length=4 / np.pi)

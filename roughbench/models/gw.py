@@ -72,14 +72,6 @@ class SummitStatistics:
 def summit_statistics(spectrum: Spectrum) -> SummitStatistics:
     """Return density, radius and heights of the summits, by Nayak and McCool.
 
-    Parameters
-    ----------
-    spectrum : Spectrum
-
-    Returns
-    -------
-    SummitStatistics
-
     Examples
     --------
     >>> from roughbench.spectrum import self_affine

@@ -96,10 +96,6 @@ def asperity_of_spectrum(spectrum: Spectrum, length: float, reach: float = REACH
         Side L of the cell, length.
     reach : float
         c > 0.
-
-    Returns
-    -------
-    Asperity
     """
     side, c = checked_length(length), checked_positive(reach, "reach")
     radii = _radii(c / spectrum.q_max, c / spectrum.q_min)
@@ -118,10 +114,6 @@ def asperity_of_heights(heights: ArrayLike, length: float, reach: float = REACH)
         Period along the first axis, length.
     reach : float
         c > 0.
-
-    Returns
-    -------
-    Asperity
 
     Raises
     ------
@@ -244,10 +236,6 @@ def finite_size_prefactor(spectrum: Spectrum, reach: float = REACH) -> float:
         Self-affine.
     reach : float
         c > 0.
-
-    Returns
-    -------
-    float
 
     Raises
     ------

@@ -276,10 +276,6 @@ def persson_asymptotes(spectrum: Spectrum, gamma: float = 0.45) -> Asymptotes:
     gamma : float
         γ, 0 < γ ≤ 1.
 
-    Returns
-    -------
-    Asymptotes
-
     Examples
     --------
     >>> from roughbench.spectrum import self_affine

@@ -98,10 +98,6 @@ def of_state(state: _State, length: float, units: Units, modulus: float = 1.0) -
         ξ and h_rms: a spectrum, or :class:`Scales`.
     modulus : float
         E*, as it was given to the solver.
-
-    Returns
-    -------
-    Field
     """
     return Field(
         pressure=float_array(state.pressure, "pressures") / modulus,
@@ -154,10 +150,6 @@ def of_fields(fields: Fields, length: float, units: Units) -> Field:
         Period along the first axis, length.
     units : Units
         ξ and h_rms: a spectrum, or :class:`Scales`.
-
-    Returns
-    -------
-    Field
     """
     return Field(
         pressure=fields.pressure,

@@ -169,10 +169,6 @@ def average(profiles: Sequence[Profile]) -> Average:
     profiles : sequence of Profile
         Of states with the same grid, units and nominal pressure.
 
-    Returns
-    -------
-    Average
-
     Raises
     ------
     SolverError

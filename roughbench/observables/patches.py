@@ -42,10 +42,6 @@ def find_patches(contact: NDArray[np.bool_]) -> Patches:
     ----------
     contact : ndarray of bool, shape (n, m) or (n,)
 
-    Returns
-    -------
-    Patches
-
     Examples
     --------
     >>> patches = find_patches(np.array([True, True, False, True, False, True]))

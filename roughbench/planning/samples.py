@@ -84,10 +84,6 @@ def make_sample(
     digest : str
         What :attr:`Heights.digest` must be of heights from a file; "" accepts any.
 
-    Returns
-    -------
-    Sample
-
     Raises
     ------
     SurfaceError

@@ -43,10 +43,6 @@ class Coverage:
 
     A state whose field is asked for comes with its field, or not at all.
 
-    Parameters
-    ----------
-    cell : Cell
-
     Attributes
     ----------
     known : ndarray of bool, shape (realizations, pressures)
@@ -147,10 +143,6 @@ class Collected:
 
     Blocks that come in another order, or in other cuts, make the same values: of several
     that have a state the first counts, and they come in the order of the shards' names.
-
-    Parameters
-    ----------
-    cell : Cell
     """
 
     def __init__(self, cell: Cell) -> None:

@@ -13,13 +13,7 @@ _MOST_COMPARED = 50
 
 
 class FormerIdentities:
-    """The identities of shards that no cell uses, each read once.
-
-    Parameters
-    ----------
-    folder : RunFolder
-    keys : iterable of str
-    """
+    """The identities of shards that no cell uses, each read once."""
 
     def __init__(self, folder: RunFolder, keys: Iterable[str]) -> None:
         self._folder = folder

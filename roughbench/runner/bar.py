@@ -22,10 +22,6 @@ def reported(progress: Report | bool | None) -> Iterator[Report | None]:  # noqa
     ----------
     progress : callable, bool or None
         True: a bar on standard error, in a notebook as well; False or None: nothing.
-
-    Yields
-    ------
-    callable or None
     """
     if not isinstance(progress, bool):
         yield progress

@@ -245,10 +245,6 @@ def preview(
         Measure how fast this machine is for models that were never measured, in some
         seconds, and keep it in the cache folder; message so. Default: by a formula.
 
-    Returns
-    -------
-    list of PlanRow
-
     Raises
     ------
     SpecError, SurfaceError, RoughbenchError

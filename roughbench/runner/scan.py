@@ -151,10 +151,6 @@ def scan(
     threads : mapping of str to int, optional
         Threads of the tasks of each cell, by its name; default: those that its shards or
         checkpoints were computed with, or as ``limits`` says.
-
-    Returns
-    -------
-    list of CellState
     """
     keys = set(folder.computations()) if folder is not None else set()
     kept = (keys, folder.unfinished()) if folder is not None else ()

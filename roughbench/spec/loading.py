@@ -82,10 +82,6 @@ def load_spec(
     folder : path
         Where relative paths of height files start in a text; default: the current folder.
 
-    Returns
-    -------
-    Spec
-
     Raises
     ------
     SpecError

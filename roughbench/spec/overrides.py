@@ -29,10 +29,6 @@ def apply_overrides(
     catalog : Catalog
         Of the models.
 
-    Returns
-    -------
-    (tree, dict, list of Fault)
-
     Examples
     --------
     >>> apply_overrides({"surface": {"H": 0.7}}, ["surface.H=0.8"])

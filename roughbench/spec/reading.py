@@ -79,14 +79,6 @@ class _BreakOff(Exception):  # noqa: N818 (no error by itself: its fault is kept
 def read_yaml(text: str) -> Document:
     """Read one YAML document; faults are returned, not raised.
 
-    Parameters
-    ----------
-    text : str
-
-    Returns
-    -------
-    Document
-
     Examples
     --------
     >>> document = read_yaml("surface: {H: 0.7, q1: 1e5}")

@@ -162,10 +162,6 @@ def solve_contact(
         Correct the area for the points that a grid counts too many along those edges of the
         contact that the solution finds, or not. Lines are not corrected.
 
-    Returns
-    -------
-    ContactState
-
     Raises
     ------
     SolverError
