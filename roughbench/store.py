@@ -35,7 +35,7 @@ from roughbench.seal import check_seal, has_mark, seal_file
 from roughbench.signals import signals_held_back
 from roughbench.sink import Sink
 from roughbench.text import on_one_line, printable, unsafe_character
-from roughbench.variables import STORABLE, dimensions, fits, is_known
+from roughbench.variables import STORABLE, compare_shape, dimensions, is_known
 
 __all__ = ["FORMAT_VERSION", "RESULTS", "ModelResult", "Results", "load", "write_results"]
 
@@ -531,7 +531,7 @@ def _check_shapes(variables: Mapping[str, Array | h5py.Dataset], where: str) -> 
         raise ValueError(f"{where}: status must have two dimensions, got {len(shape)}")
     lengths = dict(zip(("realization", "pressure"), shape, strict=True))
     for name, values in variables.items():
-        suits, wanted = fits(name, values.shape, lengths)
+        suits, wanted = compare_shape(name, values.shape, lengths)
         if not suits:
             raise ValueError(
                 f"{where}: {name} must have the shape {wanted}, got {values.shape}"

@@ -140,7 +140,7 @@ def is_known(name: str) -> bool:
     return name in _known()
 
 
-def fits(
+def compare_shape(
     name: str, shape: Sequence[int], lengths: dict[str, int]
 ) -> tuple[bool, tuple[int, ...]]:
     """Return whether a shape agrees with lengths of dimensions, and the shape that would.

@@ -17,7 +17,7 @@ import click
 from roughbench.text import printable
 
 if TYPE_CHECKING:
-    from roughbench.runner import Progress, Report
+    from roughbench.runner import Progress, ProgressListener
 
 SECONDS_BETWEEN_LINES = 30.0
 _COLUMNS = 60
@@ -101,7 +101,7 @@ def _roughly(seconds: float) -> str:
 
 
 @contextlib.contextmanager
-def progress_shown(*, quiet: bool, verbose: bool) -> Iterator[Report | None]:
+def progress_shown(*, quiet: bool, verbose: bool) -> Iterator[ProgressListener | None]:
     """Yield what a run should tell its progress; None if nobody wants to know.
 
     The log of the run goes to stderr meanwhile: its warnings, and with ``verbose`` a line

@@ -18,7 +18,7 @@ from roughbench.rundir.usage import Meter, Usage
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class TaskOutcome:
     """How a task ended: with a block and what it took, or with an error and its traceback."""
 
     block: Block | None = None
@@ -26,12 +26,12 @@ class Outcome:
     error: Exception | None = None
     trace: str = ""
 
-    def portable(self) -> Outcome:
+    def portable(self) -> TaskOutcome:
         """Return it in a form that can go to another process."""
         try:
             pickle.loads(pickle.dumps(self.error))  # noqa: S301  (its own)
         except Exception:  # noqa: BLE001, RUF100  (whatever a foreign exception does)
-            return Outcome(error=RoughbenchError(repr(self.error)), trace=self.trace)
+            return TaskOutcome(error=RoughbenchError(repr(self.error)), trace=self.trace)
         return self
 
 
@@ -44,7 +44,7 @@ class TaskListener(Protocol):
     def on_compiling(self) -> None:
         """Loops are being compiled, once for all runs: it takes a while."""
 
-    def on_end(self, task: Task, outcome: Outcome) -> None:
+    def on_end(self, task: Task, outcome: TaskOutcome) -> None:
         """Take the outcome of a task; what is raised here ends the engine."""
 
     def on_message(self, text: str) -> None:
@@ -60,7 +60,7 @@ def carry_out(
     checkpoint: Checkpoint | None,
     advanced: Callable[[int], None],
     compiling: Callable[[], None],
-) -> Outcome:
+) -> TaskOutcome:
     """Compute a task in this process; says how many states are done, and when it compiles."""
     meter = Meter()
     of_listener: list[Exception] = []
@@ -74,9 +74,9 @@ def carry_out(
 
     try:
         with compiling_told(compiling):
-            return Outcome(compute(task, report, checkpoint), meter.read())
+            return TaskOutcome(compute(task, report, checkpoint), meter.read())
     except Exception as error:  # noqa: BLE001, RUF100  (whatever it is, it is this task's end)
         trace = "".join(traceback.format_exception(error))
         if error not in of_listener:
             error = blamed(task.cell.model, error, str(task))
-        return Outcome(error=error, trace=trace)
+        return TaskOutcome(error=error, trace=trace)

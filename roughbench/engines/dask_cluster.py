@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
-from roughbench.engines.base import CheckpointOf, Outcome, TaskListener, carry_out
+from roughbench.engines.base import CheckpointOf, TaskListener, TaskOutcome, carry_out
 from roughbench.engines.cluster import Cluster
 from roughbench.engines.cluster_watch import ClusterWatch, within
 from roughbench.engines.slurm import INSTALL, LOOPBACK, jobs_of_slurm
@@ -160,24 +160,24 @@ def _listen(
         content.release()
 
 
-def _outcome(future: Future[Any], task: Task, watch: ClusterWatch) -> Outcome:
+def _outcome(future: Future[Any], task: Task, watch: ClusterWatch) -> TaskOutcome:
     if future.status == "lost" or future.status == "cancelled":
         raise IncompleteError(_LOST)
     try:
         error = within(math.inf, future.exception, watch.check)
         if error is None:
-            outcome: Outcome = within(math.inf, future.result, watch.check)
+            outcome: TaskOutcome = within(math.inf, future.result, watch.check)
             return outcome
     except (OSError, CancelledError, asyncio.CancelledError) as cause:  # on its way here
         raise IncompleteError(_LOST) from cause
     if type(error).__name__ == "KilledWorker":
-        return Outcome(
+        return TaskOutcome(
             error=RoughbenchError(
                 f"{task}: all of the workers that Dask gave it to died; it was given up. It "
                 f"needs about {memory_of(task) / 1e9:.1f} GB by estimate"
             )
         )
-    return Outcome(error=RoughbenchError(f"{task}: {error!r}"))
+    return TaskOutcome(error=RoughbenchError(f"{task}: {error!r}"))
 
 
 # -- the cluster ---------------------------------------------------------------------------
@@ -355,12 +355,12 @@ _one_at_a_time = threading.Lock()
 
 def _carry_out_there(
     number: int, task: Task, checkpoint: Checkpoint | None, code: str, topic: str
-) -> Outcome:
+) -> TaskOutcome:
     from distributed import get_worker
 
     worker = get_worker()
     if _code(task) != code:
-        return Outcome(
+        return TaskOutcome(
             error=RoughbenchError(
                 f"{task}: the worker {worker.address} has another version of roughbench; "
                 "install the same one everywhere and start the workers again"

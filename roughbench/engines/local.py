@@ -21,7 +21,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Any
 
-from roughbench.engines.base import CheckpointOf, Outcome, TaskListener, carry_out
+from roughbench.engines.base import CheckpointOf, TaskListener, TaskOutcome, carry_out
 from roughbench.errors import RoughbenchError
 from roughbench.planning.plan import Task
 from roughbench.planning.resources import ResourceLimits, memory_of
@@ -109,7 +109,7 @@ def compute_in_workers(
                         waiting.insert(0, task)
                         alone.add(task)
                     elif task is not None:
-                        listener.on_end(task, Outcome(error=_given_up(task, death)))
+                        listener.on_end(task, TaskOutcome(error=_given_up(task, death)))
                     continue
                 if kind == "advanced" and task is not None:
                     listener.on_progress(task, content)

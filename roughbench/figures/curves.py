@@ -16,7 +16,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
-class Curve:
+class DrawnCurve:
     """What is drawn of one contender in one experiment; pressures ascend.
 
     Attributes
@@ -38,7 +38,7 @@ class Curve:
     is_median: NDArray[np.bool_]
 
 
-def curve_of(result: ModelResult, name: str) -> Curve:
+def curve_of(result: ModelResult, name: str) -> DrawnCurve:
     """Return a contender's curve, with lengths in the unit of the spectrum's h_rms.
 
     It is the mean with its standard error; where a realization in full contact makes
@@ -54,7 +54,7 @@ def curve_of(result: ModelResult, name: str) -> Curve:
 
     Returns
     -------
-    Curve
+    DrawnCurve
         nan where the contender does not give the quantity.
     """
     unit = QUANTITIES[name].unit(float(result.attributes["rms_height"]))
@@ -70,7 +70,7 @@ def curve_of(result: ModelResult, name: str) -> Curve:
     if not style_of(result).markers:
         is_median[:] = is_median.any()
     error = np.where(np.isfinite(mean), error, np.nan)
-    return Curve(
+    return DrawnCurve(
         np.asarray(result["pressure"], float)[order],
         np.where(is_median, column("median"), mean),
         np.where(is_median, column("q16"), mean - error),
@@ -81,7 +81,7 @@ def curve_of(result: ModelResult, name: str) -> Curve:
 
 def curves_of(
     results: Results, name: str, experiments: Iterable[str] | None = None
-) -> Iterator[tuple[str, ModelResult, Curve]]:
+) -> Iterator[tuple[str, ModelResult, DrawnCurve]]:
     """Yield experiment, contender and curve of all that have a quantity."""
     for experiment in results if experiments is None else experiments:
         for result in results[experiment].values():
@@ -89,7 +89,7 @@ def curves_of(
                 yield experiment, result, curve_of(result, name)
 
 
-def full_contact_pressure(curve: Curve) -> float | None:
+def full_contact_pressure(curve: DrawnCurve) -> float | None:
     """Return the lowest pressure at which the curve is 0 or inf, if there is one."""
     full = (curve.value == 0.0) | np.isinf(curve.value)
     return float(curve.pressure[int(np.argmax(full))]) if full.any() else None

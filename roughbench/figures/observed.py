@@ -46,7 +46,7 @@ DECADES = 1e-7
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class ObservedLine:
     """One curve in one panel.
 
     Attributes
@@ -95,7 +95,7 @@ class ObservableFigure:
         footnote(figure, height + unconverged_remarks(results))
         return figure
 
-    def _panels(self, results: Results) -> Iterator[tuple[str, list[Line]]]:
+    def _panels(self, results: Results) -> Iterator[tuple[str, list[ObservedLine]]]:
         """Yield what is written over a panel, and its lines."""
         labels, styles = experiment_labels(results), curve_styles(results.models())
         most = MOST_PANELS if len(results) == 1 else 2
@@ -115,30 +115,30 @@ class ObservableFigure:
 
     def _lines(
         self, models: Mapping[str, ModelResult], styles: Mapping[str, CurveStyle], k: int
-    ) -> list[Line]:
+    ) -> list[ObservedLine]:
         name = self.observable.variable
-        lines: list[Line] = []
-        theory: list[Line] = []
+        lines: list[ObservedLine] = []
+        theory: list[ObservedLine] = []
         for title, result in models.items():
             x = result[f"{name}_bin"]
             unit = self.observable.drawn_unit(x, int(result.attributes["dimension"]))
             mean, sem = result[f"{name}_mean"][k], result[f"{name}_sem"][k]
-            lines.append(Line(title, x, mean / unit, sem / unit, styles[result.label]))
+            lines.append(ObservedLine(title, x, mean / unit, sem / unit, styles[result.label]))
             if f"{name}_persson" in result and not theory:
                 values, none = result[f"{name}_persson"][k], np.full(x.shape, math.nan)
                 title = self.observable.theory_title(result.attributes)
-                theory.append(Line(title, x, values, none, THEORY, is_theory=True))
+                theory.append(ObservedLine(title, x, values, none, THEORY, is_theory=True))
         return lines + theory
 
 
 def panels(
-    lines: Mapping[str, Sequence[Line]], axis: str, value: str, scale: str = "log"
+    lines: Mapping[str, Sequence[ObservedLine]], axis: str, value: str, scale: str = "log"
 ) -> Figure:
     """Return a figure of panels.
 
     Parameters
     ----------
-    lines : mapping of str to sequence of Line
+    lines : mapping of str to sequence of ObservedLine
         By what is written over the panel.
     axis, value : str
         What is drawn over what.
@@ -161,7 +161,7 @@ def panels(
     return figure
 
 
-def _panel(axes: Axes, lines: Sequence[Line], scale: str) -> dict[str, dict[str, Any]]:
+def _panel(axes: Axes, lines: Sequence[ObservedLine], scale: str) -> dict[str, dict[str, Any]]:
     """Draw the lines of a panel, and return how each of them is drawn."""
     axes.set_xscale(scale)
     axes.set_yscale("log")
@@ -182,7 +182,7 @@ def _panel(axes: Axes, lines: Sequence[Line], scale: str) -> dict[str, dict[str,
     return drawn
 
 
-def _style(line: Line) -> dict[str, Any]:
+def _style(line: ObservedLine) -> dict[str, Any]:
     return {
         "color": line.look.colour,
         "linestyle": (0, line.look.dashes) if line.look.dashes else "-",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from roughbench.figures.curves import Curve, curves_of, full_contact_pressure
+from roughbench.figures.curves import DrawnCurve, curves_of, full_contact_pressure
 from roughbench.figures.labels import experiment_labels, model_names
 from roughbench.figures.style import SMALL
 from roughbench.figures.styles import CurveStyle, curve_styles, experiment_shades, lighter
@@ -96,14 +96,20 @@ def limit_to_curves(axes: Axes, results: Results, quantity: str) -> None:
 
 
 def _draw_curve(
-    axes: Axes, curve: Curve, look: CurveStyle, colour: str, *, name: str, turn: float = 0.0
+    axes: Axes,
+    curve: DrawnCurve,
+    look: CurveStyle,
+    colour: str,
+    *,
+    name: str,
+    turn: float = 0.0,
 ) -> None:
     """Draw one contender; what a logarithmic axis cannot show (0, inf, nan) is left out.
 
     Parameters
     ----------
     axes : Axes
-    curve : Curve
+    curve : DrawnCurve
     look : CurveStyle
     colour : str
     name : str
@@ -149,7 +155,9 @@ def _draw_curve(
     line.set_gid(name)
 
 
-def _draw_thin(axes: Axes, curve: Curve, look: CurveStyle, colour: str, *, turn: float) -> None:
+def _draw_thin(
+    axes: Axes, curve: DrawnCurve, look: CurveStyle, colour: str, *, turn: float
+) -> None:
     """Draw one contender in an inset."""
     axes.plot(
         curve.pressure,
@@ -166,7 +174,7 @@ def _draw_thin(axes: Axes, curve: Curve, look: CurveStyle, colour: str, *, turn:
 
 
 def _mark_full_contact(
-    axes: Axes, curve: Curve, look: CurveStyle, colour: str, quantity: str
+    axes: Axes, curve: DrawnCurve, look: CurveStyle, colour: str, quantity: str
 ) -> None:
     pressure, full = full_contact_pressure(curve), QUANTITIES[quantity].at_full_contact
     if pressure is None or full is None:

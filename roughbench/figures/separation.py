@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from roughbench.figures.curves import Curve, curves_of
+from roughbench.figures.curves import DrawnCurve, curves_of
 from roughbench.figures.panel import draw_panel
 from roughbench.figures.quantity import QuantityFigure
 from roughbench.results import Results
@@ -35,7 +35,7 @@ class SeparationFigure(QuantityFigure):
             draw_panel(inset, results, list(results), self.name, is_inset=True)
 
 
-def _room(axes: Axes, curve: Curve) -> float:
+def _room(axes: Axes, curve: DrawnCurve) -> float:
     """Return where a curve first comes down to the inset, as a fraction of the width."""
     seen = np.isfinite(curve.value) & (curve.value > 0.0)
     if not seen.any():

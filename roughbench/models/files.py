@@ -71,7 +71,7 @@ class SourceFiles:
 
 
 @dataclass(frozen=True, slots=True)
-class Origin:
+class ModelOrigin:
     """The files that a class was loaded from, and its name there."""
 
     files: SourceFiles
@@ -79,7 +79,7 @@ class Origin:
 
 
 _packages: dict[str, SourceFiles] = {}
-_origins: dict[type, Origin] = {}
+_origins: dict[type, ModelOrigin] = {}
 
 
 def names_file(kind: str) -> bool:
@@ -87,7 +87,7 @@ def names_file(kind: str) -> bool:
     return _reference(kind) is not None
 
 
-def origin_of(model: type) -> Origin | None:
+def origin_of(model: type) -> ModelOrigin | None:
     """Return where a class comes from that was loaded from a file; None for any other."""
     return _origins.get(model)
 
@@ -174,7 +174,7 @@ def load_class(files: SourceFiles, name: str) -> type[object]:
     if not isinstance(found, type):
         raise ModelError(_no_class(files.main, name, module))
     if found.__module__.startswith(files.package) and found not in _origins:
-        _origins[found] = Origin(files, name)
+        _origins[found] = ModelOrigin(files, name)
         copyreg.pickle(found, carry)
     return found
 

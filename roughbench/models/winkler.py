@@ -61,7 +61,7 @@ from roughbench.spectrum import mode_power, wavenumbers
 
 
 @dataclass(frozen=True, slots=True)
-class _Events:
+class _EventSums:
     """Sums at each event, k = 1 … N points in contact; all terms are non-negative."""
 
     depth: FloatArray
@@ -74,7 +74,7 @@ class _Events:
     """∫D dū since the first touch, shape (N,); times k_w the elastic energy."""
 
 
-def _events(heights: ArrayLike) -> _Events:
+def _events(heights: ArrayLike) -> _EventSums:
     from roughbench.models._foundation_loops import accumulate
 
     h = checked_heights(heights, "the springs need finite heights").ravel()
@@ -90,7 +90,7 @@ def _events(heights: ArrayLike) -> _Events:
     accumulate(((n - k) * step)[::-1], gap)
     # While the plane sinks by a step, ū falls by (1 - k/N) of it and D grows linearly.
     accumulate((1.0 - k / n) * step * (compressed[:-1] + compressed[1:]) / (2.0 * n), work)
-    return _Events(depth, compressed, gap[::-1], work)
+    return _EventSums(depth, compressed, gap[::-1], work)
 
 
 def winkler_curve(heights: ArrayLike, pressures: ArrayLike, modulus: float) -> CompleteCurve:
@@ -136,7 +136,7 @@ def winkler_curve(heights: ArrayLike, pressures: ArrayLike, modulus: float) -> C
         return refuse_overflow(_evaluate(_events(heights), p, k_w))
 
 
-def _evaluate(events: _Events, p: FloatArray, k_w: float) -> CompleteCurve:
+def _evaluate(events: _EventSums, p: FloatArray, k_w: float) -> CompleteCurve:
     n = events.depth.size
     load = n * p / k_w  # Σδ
     k = np.searchsorted(events.compressed, load, side="right")

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.figures.curves import Curve, curve_of
+from roughbench.figures.curves import DrawnCurve, curve_of
 from roughbench.quantities import Quantity, compared
 from roughbench.report.charts import ChartSeries, Ranges, ReportChart
 from roughbench.report.numbers import number, with_error
@@ -149,7 +149,7 @@ def _series(model: DrawnModel, kind: PressureChart) -> ChartSeries:
     )
 
 
-def _hover(curve: Curve, factor: FloatArray, axis: str) -> list[str]:
+def _hover(curve: DrawnCurve, factor: FloatArray, axis: str) -> list[str]:
     symbol = plotly_text(from_notation(axis.partition(" = ")[0]))
     texts = []
     for k, p in enumerate(curve.pressure):

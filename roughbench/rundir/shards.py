@@ -30,7 +30,7 @@ from roughbench.rundir.collected import Place, places_of
 from roughbench.rundir.identity import Identity, key_of
 from roughbench.rundir.usage import Usage
 from roughbench.seal import sha256_of
-from roughbench.variables import STORABLE, fits
+from roughbench.variables import STORABLE, compare_shape
 
 FORMAT = "roughbench shard 1"
 
@@ -214,7 +214,7 @@ def _understood(path: Path, file: Any) -> Shard:
     names = tuple(name for name in file.files if name not in (_META, "pressure"))
     for name in names:
         shape, dtype = headers[name]
-        suits, wanted = fits(name, shape, lengths)
+        suits, wanted = compare_shape(name, shape, lengths)
         if not suits or dtype not in STORABLE:
             raise ValueError(f"{name} has the shape {shape} of {dtype}, not {wanted}")
     if "status" not in names:

@@ -13,17 +13,17 @@ from roughbench.planning.resources import available_cores
 from roughbench.planning.samples import make_sample
 from roughbench.rundir.folder import folder_of
 from roughbench.runner.driver import preview, run, run_to_file
-from roughbench.runner.inspection import Account, State, accounts, clean, status, verify
+from roughbench.runner.inspection import Account, RunState, accounts, clean, status, verify
 from roughbench.runner.overview import PlanRow
-from roughbench.runner.progress import Progress, Report
+from roughbench.runner.progress import Progress, ProgressListener
 
 __all__ = [
     "Account",
     "Cluster",
     "PlanRow",
     "Progress",
-    "Report",
-    "State",
+    "ProgressListener",
+    "RunState",
     "accounts",
     "available_cores",
     "check",

@@ -6,7 +6,7 @@ import contextlib
 import sys
 from collections.abc import Iterator
 
-from roughbench.runner.progress import Progress, Report
+from roughbench.runner.progress import Progress, ProgressListener
 
 _BAR = "{percentage:3.0f}%|{bar:20}| {elapsed}<{remaining}{postfix}"
 _WIDTH = 79
@@ -15,7 +15,7 @@ SECONDS_BETWEEN_LINES = 30.0
 
 
 @contextlib.contextmanager
-def reported(progress: Report | bool | None) -> Iterator[Report | None]:  # noqa: FBT001
+def reported(progress: ProgressListener | bool | None) -> Iterator[ProgressListener | None]:  # noqa: FBT001
     """Yield what a run tells its progress to.
 
     Parameters

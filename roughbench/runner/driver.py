@@ -28,7 +28,7 @@ from roughbench.runner.assemble import assemble
 from roughbench.runner.bar import reported
 from roughbench.runner.monitor import RunMonitor, monitored
 from roughbench.runner.overview import PlanRow, overview
-from roughbench.runner.progress import Report
+from roughbench.runner.progress import ProgressListener
 from roughbench.runner.provenance import inputs_of, provenance, spent
 from roughbench.runner.scan import CellState, scan
 from roughbench.runner.selection import select
@@ -45,7 +45,7 @@ def run(
     jobs: int | None = 1,
     threads: int | None = None,
     overrides: Sequence[str] = (),
-    progress: Report | bool | None = None,
+    progress: ProgressListener | bool | None = None,
     force: bool = False,
     keep_going: bool = False,
     only: Sequence[str] = (),
@@ -175,7 +175,7 @@ def _run(
     jobs: int | None = 1,
     threads: int | None = None,
     overrides: Sequence[str] = (),
-    progress: Report | bool | None = None,
+    progress: ProgressListener | bool | None = None,
     force: bool = False,
     keep_going: bool = False,
     only: Sequence[str] = (),

@@ -24,7 +24,7 @@ from roughbench.store import opened, whose
 
 
 @dataclass(frozen=True, slots=True)
-class State:
+class RunState:
     """How far a run is.
 
     Attributes
@@ -107,7 +107,7 @@ def find(path: str | os.PathLike[str]) -> RunFolder:
     return folder
 
 
-def status(path: str | os.PathLike[str]) -> State:
+def status(path: str | os.PathLike[str]) -> RunState:
     """Return how far the run at ``path`` is; it may be running.
 
     Raises
@@ -122,7 +122,7 @@ def status(path: str | os.PathLike[str]) -> State:
     tasks = select(cell_states, (), parts=limits.parts)
     note = _fault_of_results(folder) if not tasks else ""
     complete = not tasks and not note
-    return State(
+    return RunState(
         results=folder.results,
         state="running" if holder else "complete" if complete else "incomplete",
         holder=holder,

@@ -6,13 +6,13 @@ import contextlib
 import shlex
 from collections.abc import Callable, Iterator, Sequence
 
-from roughbench.engines.base import Outcome
+from roughbench.engines.base import TaskOutcome
 from roughbench.errors import IncompleteError, RoughbenchError, StoreError
 from roughbench.planning.plan import Cell, Task
 from roughbench.rundir.checkpoint import Checkpoint
 from roughbench.rundir.folder import RunFolder
 from roughbench.rundir.journal import log, log_task
-from roughbench.runner.progress import COMPILING, Progress, Report
+from roughbench.runner.progress import COMPILING, Progress, ProgressListener
 from roughbench.runner.scan import CellState
 from roughbench.runner.selection import label_of
 from roughbench.runner.speed import Speeds
@@ -26,7 +26,7 @@ class RunMonitor:
         self._command = command
         self._cell_states: dict[tuple[str, str], CellState] = {}
         self._tasks: Sequence[Task] = ()
-        self._failed: dict[Task, Outcome] = {}
+        self._failed: dict[Task, TaskOutcome] = {}
         self._keep_going = False
         self._count: Callable[[Task | None, int], None] = lambda _task, _done: None
 
@@ -34,7 +34,7 @@ class RunMonitor:
         self,
         cell_states: Sequence[CellState],
         tasks: Sequence[Task],
-        progress: Report | None,
+        progress: ProgressListener | None,
         *,
         keep_going: bool,
     ) -> None:
@@ -62,7 +62,7 @@ class RunMonitor:
         """Log what an engine reports."""
         log.warning(text)
 
-    def on_end(self, task: Task, outcome: Outcome) -> None:
+    def on_end(self, task: Task, outcome: TaskOutcome) -> None:
         """Keep the block of a task that was computed, or note its failure."""
         if outcome.block is None or outcome.usage is None:
             self._failed[task] = outcome
@@ -108,7 +108,7 @@ class RunMonitor:
         if not all(cell_state.coverage.complete for cell_state in self._cell_states.values()):
             raise IncompleteError("the results file is not written yet: not all is computed")
 
-    def _raise(self, task: Task, outcome: Outcome) -> None:
+    def _raise(self, task: Task, outcome: TaskOutcome) -> None:
         error = outcome.error or RoughbenchError(f"{task}: ended without a result")
         for line in self._rerun(task):
             error.add_note(line)
@@ -165,7 +165,7 @@ def monitored(folder: RunFolder | None, command: str) -> Iterator[RunMonitor]:
 
 
 def _counter(
-    cell_states: Sequence[CellState], progress: Report | None
+    cell_states: Sequence[CellState], progress: ProgressListener | None
 ) -> Callable[[Task | None, int], None]:
     """Return a callable that adds up finished states and tells ``progress``.
 

@@ -30,5 +30,5 @@ class Progress:
     text: str
 
 
-Report = Callable[[Progress], None]
+ProgressListener = Callable[[Progress], None]
 """Called from the process and thread that called ``run``, as often as there is news."""

@@ -18,7 +18,7 @@ import pytest
 
 import roughbench as rb
 from roughbench.engines import local
-from roughbench.engines.base import Outcome
+from roughbench.engines.base import TaskOutcome
 from roughbench.engines.local import compute_here, compute_in_workers
 from roughbench.memory import AvailableMemory
 from roughbench.planning import resources
@@ -40,7 +40,7 @@ PLENTY = ResourceLimits(jobs=2, given_threads=1, memory=2**50, cores=2)
 class Spy:
     """Remembers what it is told, with times."""
 
-    ends: dict[Task, Outcome] = field(default_factory=dict)
+    ends: dict[Task, TaskOutcome] = field(default_factory=dict)
     news: list[tuple[Task, int]] = field(default_factory=list)
     texts: list[str] = field(default_factory=list)
     running: int = 0
@@ -50,7 +50,7 @@ class Spy:
     def on_progress(self, task: Task, done: int) -> None:
         self.news.append((task, done))
 
-    def on_end(self, task: Task, outcome: Outcome) -> None:
+    def on_end(self, task: Task, outcome: TaskOutcome) -> None:
         assert task not in self.ends
         self.ends[task] = outcome
 
@@ -109,7 +109,7 @@ def test_errors_come_back_with_their_traceback(small_spec: dict[str, Any]) -> No
     assert "fakes.py" in crashed.trace
     strange = worked(tasks(small_spec, "strange", 1)).ends.popitem()[1]
     assert "StrangeError: 1 and 2" in str(strange.error)
-    foreign = Outcome(error=StrangeError(1, 2)).portable().error
+    foreign = TaskOutcome(error=StrangeError(1, 2)).portable().error
     # Once Dask has been imported, exceptions of any kind can be pickled.
     assert "StrangeError('1 and 2')" in repr(pickle.loads(pickle.dumps(foreign)))  # noqa: S301
 
@@ -226,7 +226,7 @@ def test_a_worker_whose_parent_is_gone_says_nothing() -> None:
 
 def test_an_error_of_the_listener_ends_everything_at_once(small_spec: dict[str, Any]) -> None:
     class Full(Spy):
-        def on_end(self, task: Task, outcome: Outcome) -> None:
+        def on_end(self, task: Task, outcome: TaskOutcome) -> None:
             del task, outcome
             raise rb.StoreError("disk full")
 
@@ -290,7 +290,7 @@ def most_at_once(given: list[Task], limits: ResourceLimits, processes: int) -> i
     assign, on_end = local.WorkerPool.assign, Spy.on_end
 
     class Counting(Spy):
-        def on_end(self, task: Task, outcome: Outcome) -> None:
+        def on_end(self, task: Task, outcome: TaskOutcome) -> None:
             running.discard(task)
             on_end(self, task, outcome)
 

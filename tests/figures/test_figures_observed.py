@@ -18,7 +18,7 @@ from roughbench import figures
 from roughbench.errors import StoreError
 from roughbench.figures.contact import MOST_GROUPS, ContactMap, contact_maps
 from roughbench.figures.styles import CurveStyle, curve_styles
-from roughbench.figures.observed import DECADES, MOST_PANELS, THEORY, Line, panels
+from roughbench.figures.observed import DECADES, MOST_PANELS, THEORY, ObservedLine, panels
 from roughbench.figures.style import publication_style
 from roughbench.observables import OBSERVABLES
 from roughbench.results import ModelResult, Results
@@ -29,10 +29,10 @@ X = np.geomspace(1.0, 100.0, 5)
 STYLES = {"A": CurveStyle("", (), "#000000", 1), "B": CurveStyle("", (3, 1), "#009E73", 1)}
 
 
-def line(title: str, scale: float = 1.0, *, theory: bool = False) -> Line:
+def line(title: str, scale: float = 1.0, *, theory: bool = False) -> ObservedLine:
     y = scale * X**-2.0
     look = THEORY if theory else STYLES[title]
-    return Line(title, X, y, 0.1 * y, look, is_theory=theory)
+    return ObservedLine(title, X, y, 0.1 * y, look, is_theory=theory)
 
 
 def drawn(figure: Figure) -> Figure:
@@ -69,7 +69,7 @@ def test_curves_hold_the_values_and_keep_their_styles() -> None:
 def test_what_a_logarithmic_axis_cannot_show_is_left_out() -> None:
     y = np.array([math.nan, 0.0, 1.0, 1e-9, 2.0])
     with publication_style():
-        figure = drawn(panels({"": [Line("A", X, y, 2 * y, STYLES["A"])]}, "q", "C"))
+        figure = drawn(panels({"": [ObservedLine("A", X, y, 2 * y, STYLES["A"])]}, "q", "C"))
     (axes,) = figure.axes
     (found,) = axes.get_lines()
     np.testing.assert_array_equal(found.get_ydata(), [1.0, 1e-9, 2.0])
