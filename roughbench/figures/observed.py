@@ -54,7 +54,7 @@ class ObservedLine:
     title : str
     x, y, error : ndarray of float64, shape (K,)
         What a logarithmic axis cannot show is left out.
-    look : CurveStyle
+    style : CurveStyle
         Of the contender; its marker is not drawn.
     is_theory : bool
         Drawn thin, without a band.
@@ -64,7 +64,7 @@ class ObservedLine:
     x: FloatArray
     y: FloatArray
     error: FloatArray
-    look: CurveStyle
+    style: CurveStyle
     is_theory: bool = False
 
 
@@ -170,13 +170,15 @@ def _panel(axes: Axes, lines: Sequence[ObservedLine], scale: str) -> dict[str, d
     for line in lines:
         shown = np.isfinite(line.y) & (line.y > 0.0) & np.isfinite(line.x) & (line.x > 0.0)
         x, y, error = line.x[shown], line.y[shown], line.error[shown]
-        look = drawn[line.title] = _style(line)
-        axes.plot(x, y, gid=line.title, **look)
+        style = drawn[line.title] = _style(line)
+        axes.plot(x, y, gid=line.title, **style)
         if y.size:
             highest, lowest = max(highest, y.max()), min(lowest, y.min())
         if not line.is_theory and np.isfinite(error).any():
             below = np.maximum(y - error, 1e-3 * y)  # a logarithmic axis has no zero
-            axes.fill_between(x, below, y + error, color=look["color"], alpha=0.25, linewidth=0)
+            axes.fill_between(
+                x, below, y + error, color=style["color"], alpha=0.25, linewidth=0
+            )
     if highest > 0.0:
         axes.set_ylim(max(lowest / 2.0, DECADES * highest), 3.0 * highest)
     return drawn
@@ -184,8 +186,8 @@ def _panel(axes: Axes, lines: Sequence[ObservedLine], scale: str) -> dict[str, d
 
 def _style(line: ObservedLine) -> dict[str, Any]:
     return {
-        "color": line.look.colour,
-        "linestyle": (0, line.look.dashes) if line.look.dashes else "-",
+        "color": line.style.colour,
+        "linestyle": (0, line.style.dashes) if line.style.dashes else "-",
         "linewidth": 0.7 if line.is_theory else 1.1,
     }
 
@@ -193,4 +195,4 @@ def _style(line: ObservedLine) -> dict[str, Any]:
 def _handles(drawn: Mapping[str, dict[str, Any]]) -> list[Artist]:
     from matplotlib.lines import Line2D
 
-    return [Line2D([], [], label=title, **look) for title, look in drawn.items()]
+    return [Line2D([], [], label=title, **style) for title, style in drawn.items()]

@@ -51,14 +51,14 @@ def draw_panel(
     for number, experiment in enumerate(experiments):
         turn = number / len(experiments)
         for _, result, curve in curves_of(results, quantity, [experiment]):
-            look = styles[result.label]
-            colour = lighter(look.colour, shades[experiment])
+            style = styles[result.label]
+            colour = lighter(style.colour, shades[experiment])
             name = f"{experiment}/{result.label}/{quantity}"
             if is_inset:
-                _draw_thin(axes, curve, look, colour, turn=turn)
+                _draw_thin(axes, curve, style, colour, turn=turn)
             else:
-                _draw_curve(axes, curve, look, colour, name=name, turn=turn)
-                _mark_full_contact(axes, curve, look, colour, quantity)
+                _draw_curve(axes, curve, style, colour, name=name, turn=turn)
+                _mark_full_contact(axes, curve, style, colour, quantity)
     pressures = [
         result["pressure"] for name in experiments for result in results[name].values()
     ]
@@ -98,7 +98,7 @@ def limit_to_curves(axes: Axes, results: Results, quantity: str) -> None:
 def _draw_curve(
     axes: Axes,
     curve: DrawnCurve,
-    look: CurveStyle,
+    style: CurveStyle,
     colour: str,
     *,
     name: str,
@@ -110,7 +110,7 @@ def _draw_curve(
     ----------
     axes : Axes
     curve : DrawnCurve
-    look : CurveStyle
+    style : CurveStyle
     colour : str
     name : str
         ``gid`` of the line, so that it is found again among the artists.
@@ -123,23 +123,23 @@ def _draw_curve(
     has_band = drawn & np.isfinite(curve.lower) & np.isfinite(curve.upper)
     # At full contact there is nothing to subtract: inf - inf would be a fault.
     lower, upper = np.where(has_band, [curve.lower, curve.upper], np.nan)
-    if look.marker:
+    if style.marker:
         bars = axes.errorbar(
             curve.pressure,
             value,
             yerr=np.maximum(np.stack([value - lower, upper - value]), 0.0),
-            fmt=look.marker,
+            fmt=style.marker,
             color=colour,
             markerfacecolor="none" if turn else "white",
             markersize=4.2 - 2.2 * turn,
             elinewidth=0.7,
-            zorder=look.order,
+            zorder=style.order,
         )
         line = bars.lines[0]
     else:
-        style = (turn * sum(look.dashes), look.dashes) if look.dashes else "-"
+        linestyle = (turn * sum(style.dashes), style.dashes) if style.dashes else "-"
         (line,) = axes.plot(
-            curve.pressure, value, color=colour, linestyle=style, zorder=look.order
+            curve.pressure, value, color=colour, linestyle=linestyle, zorder=style.order
         )
         if has_band.any():
             axes.fill_between(
@@ -150,13 +150,13 @@ def _draw_curve(
                 color=colour,
                 alpha=0.25,
                 linewidth=0,
-                zorder=look.order - 0.5,
+                zorder=style.order - 0.5,
             )
     line.set_gid(name)
 
 
 def _draw_thin(
-    axes: Axes, curve: DrawnCurve, look: CurveStyle, colour: str, *, turn: float
+    axes: Axes, curve: DrawnCurve, style: CurveStyle, colour: str, *, turn: float
 ) -> None:
     """Draw one contender in an inset."""
     axes.plot(
@@ -164,17 +164,17 @@ def _draw_thin(
         curve.value,
         color=colour,
         linewidth=0.8,
-        marker=look.marker or "none",
+        marker=style.marker or "none",
         markersize=1.8,
         markerfacecolor="none",
         markeredgewidth=0.5,
-        linestyle="none" if look.marker else (turn, look.dashes) if look.dashes else "-",
-        zorder=look.order,
+        linestyle="none" if style.marker else (turn, style.dashes) if style.dashes else "-",
+        zorder=style.order,
     )
 
 
 def _mark_full_contact(
-    axes: Axes, curve: DrawnCurve, look: CurveStyle, colour: str, quantity: str
+    axes: Axes, curve: DrawnCurve, style: CurveStyle, colour: str, quantity: str
 ) -> None:
     pressure, full = full_contact_pressure(curve), QUANTITIES[quantity].at_full_contact
     if pressure is None or full is None:
@@ -185,7 +185,7 @@ def _mark_full_contact(
         [place],
         marker=marker,
         markersize=4.5,
-        markerfacecolor="white" if look.marker else colour,
+        markerfacecolor="white" if style.marker else colour,
         markeredgecolor=colour,
         linestyle="none",
         transform=axes.get_xaxis_transform(),
@@ -229,15 +229,19 @@ def legend_handles(
     for label, name in model_names(results, experiments, quantity).items():
         if label not in shown and not of_all:
             continue
-        look = styles[label]
+        style = styles[label]
         handles.append(
             Line2D(
                 [],
                 [],
-                color=look.colour,
-                marker=look.marker or "none",
+                color=style.colour,
+                marker=style.marker or "none",
                 markerfacecolor="none",
-                linestyle="none" if look.marker else (0, look.dashes) if look.dashes else "-",
+                linestyle="none"
+                if style.marker
+                else (0, style.dashes)
+                if style.dashes
+                else "-",
                 label=name,
             )
         )

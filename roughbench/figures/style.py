@@ -1,4 +1,4 @@
-"""The look of the figures, and how they get onto the disk."""
+"""The style of the figures, and how they get onto the disk."""
 
 from __future__ import annotations
 
