@@ -117,11 +117,11 @@ PROGRAM = """\
 import resource
 import numpy as np
 import roughbench as rb
-from roughbench.planning.resources import sharing
+from roughbench.planning.resources import resource_limits
 rb.solve_contact(np.eye(16), 0.1)
 here = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
 resource.setrlimit(resource.RLIMIT_AS, (here + 300 * 2**20,) * 2)
-assert sharing().memory <= 0.8 * 300 * 2**20
+assert resource_limits().memory <= 0.8 * 300 * 2**20
 try:
     rb.solve_contact(np.zeros((3000, 3000), np.float32), 0.1)
 except rb.SolverError as error:

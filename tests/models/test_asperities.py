@@ -349,9 +349,9 @@ def test_options_choose_the_sample(model: type[GreenwoodWilliamson] | type[Ellip
     assert model(summits="counted").unused_options() == {}
     assert "grid" in model().unused_options()
     assert "counted" in model(summits="counted").title
-    assert model(grid=40).grid_points(spectrum(1, 16), SIDE) == 40
+    assert model(summits="counted", grid=40).grid_points(spectrum(1, 16), SIDE) == 40
     with pytest.raises(SurfaceError, match="too coarse"):
-        model(grid=16).grid_points(spectrum(1, 16), SIDE)
+        model(summits="counted", grid=16).grid_points(spectrum(1, 16), SIDE)
     with pytest.raises(SurfaceError, match="needs a spectrum"):
         model().curve(Sample(None, 1.0), np.array([1e-3]))
     with pytest.raises(SolverError, match="needs heights"):

@@ -108,7 +108,7 @@ def test_words_in_the_package_keep_the_identity_and_numbers_change_it(
     def read(path: Path, *arguments: str, **options: str) -> str:
         text = real(path, *arguments, **options)
         for name, pattern, replacement in edit:
-            if path.name == name:
+            if path.parts[-2:] == ("roughbench", name):
                 text, count = re.subn(pattern, replacement, text, count=1)
                 assert count == 1
         return text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from pathlib import Path
 from typing import Any
@@ -279,10 +280,11 @@ def test_all_failures_are_told(small_spec: Tree, output: Path, cells: list[Cell]
     cores = runner.available_cores()
     with pytest.raises(rb.RoughbenchError) as caught:
         rb.run(small_spec, output=output, keep_going=True, command="c")
-    assert str(caught.value) == (
+    assert re.sub(r"py:\d+", "py:LINE", str(caught.value)) == (
         "2 tasks failed:\nmain/bad, realization 1 of 2: refused\n"
         f"rerun it alone: c --only main/bad:1-2 -j 1 --threads {cores}\n"
-        f"a fault of the model\nrerun it alone: c --only more/fake -j 1 --threads {cores}"
+        "more/fake: fakes.py:LINE: ZeroDivisionError: a fault of the model\n"
+        f"rerun it alone: c --only more/fake -j 1 --threads {cores}"
     )
 
 
