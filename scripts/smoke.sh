@@ -26,7 +26,7 @@ grep -c 'id="claim-' "$folder/report.html"
 roughbench export "$folder/smoke.h5" --csv "$folder/tables" --states
 roughbench plot "$folder/smoke.h5" -o "$folder/figures"
 for suffix in pdf png; do
-    for figure in foundation spectrum area separation stiffness fig3; do
+    for figure in spectrum area separation stiffness fig3; do
         test -s "$folder/figures/$figure.$suffix"
     done
 done
@@ -39,10 +39,11 @@ for jobs in 1 2; do
 done
 cmp "$folder/seen-1.h5" "$folder/seen-2.h5"
 roughbench verify "$folder/seen-1.h5"
-roughbench plot "$folder/seen-1.h5" -o "$folder/figures" --figure pressure_pdf --figure contact
+roughbench plot "$folder/seen-1.h5" -o "$folder/figures" --figure pressure_pdf --figure contact --figure foundation
 roughbench export "$folder/seen-1.h5" --csv "$folder/seen"
 test -s "$folder/figures/pressure_pdf.pdf"
 test -s "$folder/figures/contact.png"
+test -s "$folder/figures/foundation.pdf"
 test -s "$folder/seen/surface.qr=4.0-bem-stress_spectrum.csv"
 
 # A fault ends with its documented exit code and one message.
