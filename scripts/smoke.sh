@@ -35,7 +35,7 @@ done
 for jobs in 1 2; do
     roughbench run configs/smoke.yaml --threads 1 -j "$jobs" -o "$folder/seen-$jobs.h5" --quiet \
         --set 'observables=[pressure_pdf, stress_spectrum, clusters]' \
-        --set 'save_fields={pressures: [0.1]}'
+        --set 'save_fields={pressures: [1.0e-3, 0.1]}'
 done
 cmp "$folder/seen-1.h5" "$folder/seen-2.h5"
 roughbench verify "$folder/seen-1.h5"
