@@ -89,8 +89,9 @@ test-all: setup-dev ## all tests
 	$(BIN)/python -m pytest -n $(JOBS)
 
 test-minimum: $(MINIMUM)/ready ## tests with the oldest versions of the dependencies (Python 3.11)
-	$(MINIMUM)/bin/python -m pytest -n $(JOBS) -m "not slow" -o filterwarnings=default tests/cli tests/figures \
-		tests/observables tests/report tests/runner tests/spec tests/test_*.py
+	$(MINIMUM)/bin/python -m pytest -n $(JOBS) -m "not slow" -o filterwarnings=default tests/cli tests/engines \
+		tests/figures tests/observables tests/planning tests/report tests/rundir tests/runner \
+		tests/spec tests/test_*.py
 
 $(MINIMUM)/ready: pyproject.toml scripts/minimum_versions.py | setup
 	$(BIN)/python -m venv --clear --without-pip $(MINIMUM)
