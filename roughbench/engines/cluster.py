@@ -80,7 +80,7 @@ class Cluster:
                 f"--patience must be a positive number of minutes, got {self.patience:g}"
             )
         if self.scheduler:
-            _check_address(self.scheduler, "--scheduler")
+            split_address(self.scheduler, "--scheduler")
 
     @property
     def seconds_of_patience(self) -> float:
@@ -127,16 +127,29 @@ def is_protected(address: str) -> bool:
     >>> [is_protected(a) for a in ("tls://node7:8786", "127.0.0.1:8786", "tcp://node7:8786")]
     [True, True, False]
     """
-    scheme, host = _check_address(address, "the address of the scheduler")
+    scheme, host, _ = split_address(address)
     if scheme in _ENCRYPTED or host == "localhost":
         return True
     with contextlib.suppress(ValueError):
-        return ipaddress.ip_address(host.strip("[]")).is_loopback
+        return ipaddress.ip_address(host).is_loopback
     return False
 
 
-def _check_address(address: str, name: str) -> tuple[str, str]:
-    """Return protocol and host; Dask itself would try a malformed one for a minute."""
+def split_address(
+    address: str, name: str = "the address of the scheduler"
+) -> tuple[str, str, int]:
+    """Return protocol, host and port; Dask itself would try a malformed one for a minute.
+
+    Raises
+    ------
+    RoughbenchError
+        If it is none; says what ``name`` must read like.
+
+    Examples
+    --------
+    >>> split_address("tls://[::1]:8786"), split_address("node7:8786")
+    (('tls', '::1', 8786), ('tcp', 'node7', 8786))
+    """
     found = _ADDRESS.fullmatch(address)
     scheme, host, port = (found[1] or "tcp", found[2], int(found[3])) if found else ("", "", 0)
     if scheme not in _ENCRYPTED + _PLAIN or not 0 < port < 2**16:
@@ -144,7 +157,7 @@ def _check_address(address: str, name: str) -> tuple[str, str]:
             f"{name} must read like tls://host:8786 (tls, tcp, wss or ws, a host, and a port "
             f"from 1 to 65535), got {address!r}"
         )
-    return scheme, host
+    return scheme, host.strip("[]"), port
 
 
 def _address_in(file: Path) -> str:
@@ -158,5 +171,5 @@ def _address_in(file: Path) -> str:
         raise RoughbenchError(f"{file}: is no scheduler file of Dask ({error})") from error
     if not isinstance(content, dict) or not isinstance(content.get("address"), str):
         raise RoughbenchError(f"{file}: is no scheduler file of Dask: it names no address")
-    _check_address(content["address"], f"{file}: the address of the scheduler")
+    split_address(content["address"], f"{file}: the address of the scheduler")
     return content["address"]

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 from roughbench.engines.base import CheckpointOf, TaskListener, TaskOutcome, carry_out
-from roughbench.engines.cluster import Cluster
+from roughbench.engines.cluster import Cluster, split_address
 from roughbench.engines.cluster_watch import ClusterWatch, within
 from roughbench.engines.slurm import INSTALL, LOOPBACK, jobs_of_slurm
 from roughbench.errors import IncompleteError, RoughbenchError
@@ -279,9 +279,9 @@ def _no_answer(cluster: Cluster, address: Any, error: Exception) -> RoughbenchEr
 
 
 def _refusal(address: str) -> OSError | None:
-    where = urlsplit(address if "://" in address else f"tcp://{address}")
+    _, host, port = split_address(address)
     try:
-        socket.create_connection((where.hostname, where.port), _SECONDS_TO_SAY_WHY).close()
+        socket.create_connection((host, port), _SECONDS_TO_SAY_WHY).close()
     except OSError as error:
         return error
     return None  # something listens
