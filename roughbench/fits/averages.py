@@ -38,8 +38,9 @@ class Averages:
         self.count = n_random(result)
         self.given = frozenset(name for name in compared() if name in result)
         self.pressure = np.asarray(result["pressure"], float)
-        self.means = {name: resampled_means(result, name, counts) for name in compared()}
+        self.means = {}
         for name, quantity in compared().items():
+            self.means[name] = resampled_means(result, name, counts)
             if quantity.has_harmonic_mean:
                 self.means[quantity.averaged] = harmonic_means(result, name, counts)
         heights = np.asarray(result["rms_height"], float)

@@ -57,6 +57,11 @@ class Comparison:
         return {self.quantity, "separation"} if self.at_separation else {self.quantity}
 
     @property
+    def factor(self) -> str:
+        """The name of its factor."""
+        return f"{self.name}_factor"
+
+    @property
     def is_expected(self) -> bool:
         """Whether it is named of models that do not give its quantity."""
         return QUANTITIES[self.quantity].is_expected
@@ -87,33 +92,40 @@ def compare(one: Averages, reference: Averages) -> dict[str, Estimate]:
     agreement: dict[str, Estimate] = {}
     factors: dict[str, Estimate] = {}
     for comparison in comparisons():
-        quantity, factor = comparison.quantity, f"{comparison.name}_factor"
-        if not comparison.is_expected and quantity not in one.given | reference.given:
+        quantity = comparison.quantity
+        if not _concerns(comparison, one, reference):
             continue
         if not comparison.needs <= one.given:
             names = (name for percent in PERCENTS for name in comparison.ends(percent))
             agreement |= dict.fromkeys(names, NOT_GIVEN)
-            factors[factor] = NOT_GIVEN
+            factors[comparison.factor] = NOT_GIVEN
         elif comparison.at_separation:
             curves = _at_separation(quantity, one, reference)
             agreement |= _agreement(comparison, curves, one, reference)
-            factors[factor] = _factor(quantity, curves, one, reference, fewest=FEWEST)
+            factors[comparison.factor] = _factor(
+                quantity, curves, one, reference, fewest=FEWEST
+            )
         elif np.array_equal(one.pressure, reference.pressure):
             curves = _paired(one.means[quantity], reference.means[quantity])
             agreement |= _agreement(comparison, curves, one, reference)
-            factors[factor] = _factor_at_pressure(quantity, one, reference)
+            factors[comparison.factor] = _factor_at_pressure(quantity, one, reference)
     return agreement | factors
 
 
 def compare_factors(one: Averages, reference: Averages) -> dict[str, Estimate]:
     """Return the factors at equal pressure alone."""
     return {
-        f"{quantity}_factor": _factor_at_pressure(quantity, one, reference)
-        if quantity in one.given
+        comparison.factor: _factor_at_pressure(comparison.quantity, one, reference)
+        if comparison.quantity in one.given
         else NOT_GIVEN
-        for quantity, described in compared().items()
-        if described.is_expected or quantity in one.given | reference.given
+        for comparison in comparisons()
+        if not comparison.at_separation and _concerns(comparison, one, reference)
     }
+
+
+def _concerns(comparison: Comparison, one: Averages, reference: Averages) -> bool:
+    """Whether every model should give the quantity, or one of the two does."""
+    return comparison.is_expected or comparison.quantity in one.given | reference.given
 
 
 def _agreement(

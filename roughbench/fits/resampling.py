@@ -198,9 +198,4 @@ def n_random(*results: ModelResult) -> int:
 
     Theories and heights from a file have nothing random in them.
     """
-    numbers = [
-        result.n_realizations
-        for result in results
-        if "grid_points" in result.attributes and result.attributes.get("surface") != "file"
-    ]
-    return min(numbers, default=0)
+    return min((result.n_realizations for result in results if result.is_random), default=0)

@@ -70,9 +70,9 @@ def law_tables(models: Mapping[str, Mapping[str, Estimate]]) -> Iterator[Table]:
             models,
         )
     columns = {
-        f"in {_heading(one, in_heights=True)}": f"{one.name}_factor"
+        f"in {_heading(one, in_heights=True)}": one.factor
         for one in comparisons()
-        if one.is_expected or any(f"{one.name}_factor" in names for names in models.values())
+        if one.is_expected or any(one.factor in names for names in models.values())
     }
     others = {
         label: names

@@ -62,14 +62,14 @@ def _judge(
 def _measurements(experiment: FittedExperiment, model: ModelResult) -> Iterator[Measurement]:
     fits, where = experiment.fits[model.label], experiment.where(model)
     for comparison in comparisons():
-        if not comparison.is_expected and f"{comparison.name}_factor" not in fits:
+        if not comparison.is_expected and comparison.factor not in fits:
             continue
         what = f"factor in {typeset(QUANTITIES[comparison.quantity].in_heights)}"
         if comparison.at_separation:
             if comparison.quantity not in model:
                 continue  # said at equal pressure
             what += " at equal ū/h_rms"
-        factor = fits.get(f"{comparison.name}_factor")
+        factor = fits.get(comparison.factor)
         if factor is None:
             reading = Reading(where, what, MISSING, missing=OTHER_PRESSURES)
             yield measurement(reading, TO_FOLLOW)
