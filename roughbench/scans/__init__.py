@@ -1,0 +1,1 @@
+"""Measured surfaces: from a file to heights that the models can work with."""
