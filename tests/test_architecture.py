@@ -38,6 +38,7 @@ LAYERS = (
     "observables",
     "spec",
     "variables",
+    "surface_record",
     "results",
     "fits",
     "verdict",
