@@ -15,6 +15,7 @@ from roughbench.ensemble import STATISTICS
 from roughbench.errors import UnknownNameError
 from roughbench.quantities import compared
 from roughbench.spec.tree import did_you_mean
+from roughbench.surface_record import SurfaceRecord as SurfaceRecord
 from roughbench.variables import long_name_of, quantity_of, units_of
 
 Array = NDArray[Any]
@@ -169,12 +170,15 @@ class Results(Mapping[str, Mapping[str, ModelResult]]):
         Hash of the resolved spec.
     name : str
         Name of the run.
+    surfaces : mapping of str to SurfaceRecord
+        By experiment: the measured surface that it pressed, of those that pressed one.
     """
 
     experiments: Mapping[str, Mapping[str, ModelResult]]
     spec_text: str
     spec_sha256: str
     name: str = ""
+    surfaces: Mapping[str, SurfaceRecord] = field(default_factory=dict)
 
     def __getitem__(self, experiment: str) -> Mapping[str, ModelResult]:
         if experiment not in self.experiments:

@@ -40,6 +40,7 @@ LAYERS = (
     "observables",
     "spec",
     "variables",
+    "surface_record",
     "results",
     "fits",
     "verdict",

@@ -1,0 +1,74 @@
+"""What results remember of a measured surface that was pressed, in SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+MOST_POINTS = 256
+"""Points of the recorded map per side: enough for a picture of it."""
+
+
+class RecordedStep(NamedTuple):
+    """One step of the preparation, and the surface after it.
+
+    Attributes
+    ----------
+    name, text : str
+        Of the step, and what it did, in one line.
+    points : tuple of int
+        Rows and columns.
+    Sq, Sdq : float
+        Rms height (m) and rms gradient.
+    """
+
+    name: str
+    text: str
+    points: tuple[int, ...]
+    Sq: float
+    Sdq: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SurfaceRecord:
+    """A surface as it was pressed, small enough to be kept beside the curves.
+
+    Attributes
+    ----------
+    heights : ndarray of float64, shape (n, m)
+        At most :data:`MOST_POINTS` per side, thinned from those that were pressed; m.
+    size : (float, float)
+        Of the pressed cell along y (rows) and x (columns), m.
+    spectrum : (ndarray of float64, ndarray of float64), shape (K,)
+        Wavevectors q (1/m), ascending, and the radially averaged C2D (m⁴).
+    fit : mapping of str to float, or None
+        The self-affine law of the spectrum: ``H``, ``q0``, ``qr``, ``q1`` (1/m), ``slope``
+        and their errors, ``H_error`` and so on; None where no such law fits.
+    height_density : (ndarray of float64, ndarray of float64), shape (B,)
+        Middle of each bin (m), ascending and equally wide, and the probability density of
+        the heights in it (1/m).
+    steps : sequence of RecordedStep
+        From the file to the pressed surface; the first is as read.
+    parameters : mapping of str to float
+        The surface in numbers, SI: ``Sa``, ``Sq``, ``Ssk``, ``Sku``, ``Sdq``, ``Sdr`` …
+    warnings : sequence of str
+        What makes an answer doubtful: one sentence each.
+    source : str
+        Name of the file.
+    """
+
+    heights: FloatArray
+    size: tuple[float, float]
+    spectrum: tuple[FloatArray, FloatArray]
+    fit: Mapping[str, float] | None
+    height_density: tuple[FloatArray, FloatArray]
+    steps: Sequence[RecordedStep]
+    parameters: Mapping[str, float]
+    warnings: Sequence[str]
+    source: str = ""
