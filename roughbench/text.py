@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 import unicodedata
 from collections.abc import Iterable
@@ -31,12 +30,7 @@ def unsafe_character(text: str, allowed: str = "") -> tuple[int, str] | None:
     for found in _UNSAFE.finditer(text):
         character = found[0]
         if character not in allowed:
-            kinds = {
-                "Cc": "control character",
-                "Cs": "half character",
-                "Cf": "bidirectional mark",
-            }
-            kind = kinds.get(unicodedata.category(character), "line break")
+            kind = _KINDS.get(unicodedata.category(character), "line break")
             return found.start(), f"the {kind} U+{ord(character):04X}"
     return None
 
@@ -78,6 +72,8 @@ def suggestion(word: str, known: Iterable[str]) -> str | None:
     >>> suggestion("rnu", ["run", "show"]), suggestion("walk", ["run", "show"])
     ('run', None)
     """
+    import difflib
+
     known = list(known)
     by_case = {entry.lower(): entry for entry in known}
     if word.lower() in by_case:

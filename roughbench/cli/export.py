@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import urllib.parse
 from pathlib import Path
 
 import click
@@ -73,6 +71,9 @@ class _Names:
         self._given: set[str] = set()
 
     def give(self, experiment: str, table: str) -> str:
+        import hashlib
+        import urllib.parse
+
         whole = f"{experiment}-{table}"
         text = urllib.parse.quote(whole, safe="=,+[]")
         if text.startswith("."):  # hidden

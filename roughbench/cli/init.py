@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-from importlib.resources import files
 from pathlib import Path
 
 import click
@@ -38,6 +37,8 @@ def command(name: str | None, template: str) -> None:
 
     NAME is by default that of the template. No file is ever written over.
     """
+    from importlib.resources import files
+
     from roughbench.errors import RoughbenchError
     from roughbench.models.registry import kinds
     from roughbench.publish import commit

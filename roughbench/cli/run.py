@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from roughbench.cli.options import debug_option, example
-from roughbench.cli.progress import duration, progress_shown
 from roughbench.program import command as command_line
 from roughbench.text import on_one_line
 
@@ -145,6 +144,7 @@ def command(
     counted in the file and reported here. Observables and fields that SPEC asks for are
     taken from the states as they are solved.
     """
+    from roughbench.cli.progress import progress_shown
     from roughbench.runner import Cluster, accounts, preview, run_to_file
     from roughbench.spec import load_spec
 
@@ -201,6 +201,8 @@ _CLUSTER = (
 
 
 def _total(tasks: list[int], seconds: float) -> str:
+    from roughbench.cli.progress import duration
+
     if not sum(tasks):
         return "nothing to compute"
     return f"{sum(tasks)} tasks to compute, about {duration(seconds)} of one core"
@@ -228,6 +230,8 @@ def _without_fields(spec: Spec) -> list[str]:
 
 
 def _summary(models: list[Account], target: Path, elapsed: float) -> str:
+    from roughbench.cli.progress import duration
+
     lines = [
         f"  {model.name}: {model.realizations} × {model.pressures}, {duration(model.seconds)} "
         f"of tasks, {model.memory / 1e9:.2f} GB at most"

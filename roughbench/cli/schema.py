@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-
 import click
 
 from roughbench.cli.options import debug_option, example
@@ -16,6 +14,8 @@ def command() -> None:
 
     For editors that complete and check YAML.
     """
+    import json
+
     from roughbench.spec import json_schema
 
     click.echo(json.dumps(json_schema(), indent=2, ensure_ascii=False))

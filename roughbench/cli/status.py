@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
@@ -26,6 +25,8 @@ def command(path: Path, as_json: bool) -> None:  # noqa: FBT001
     stand. RESULTS may be the results file, there or still to come, its run directory, or the
     spec.
     """
+    import json
+
     from roughbench.runner import status
     from roughbench.text import on_one_line
 

@@ -19,6 +19,7 @@ from numpy.lib.npyio import NpzFile
 from numpy.typing import NDArray
 
 from roughbench.publish import publish
+from roughbench.rundir.archive import write_arrays
 from roughbench.seal import check_seal, seal_file
 
 SECONDS_BETWEEN = 10.0
@@ -54,8 +55,7 @@ class Checkpoint:
         arrays = {_DONE: np.array(done), _NAME: self._name(), **snapshot()}
 
         def write(file: IO[bytes]) -> None:
-            # Straight to disk: they may be large.
-            np.savez(file, **arrays)  # type: ignore[arg-type]
+            write_arrays(file, arrays)
             seal_file(file)
 
         with contextlib.suppress(OSError):

@@ -26,6 +26,7 @@ from roughbench.models.base import FloatArray
 from roughbench.planning.plan import Block, Task
 from roughbench.publish import put, written
 from roughbench.results import Array
+from roughbench.rundir.archive import write_arrays
 from roughbench.rundir.collected import Place, places_of
 from roughbench.rundir.identity import Identity, key_of
 from roughbench.rundir.usage import Usage
@@ -139,11 +140,11 @@ def write_shard(
         "usage": usage.as_dict(),
     }
     text = np.frombuffer(json.dumps(meta).encode(), np.uint8)
-    arrays = {_META: text, "pressure": task.pressure_array(), **block}
+    arrays: dict[str, Array] = {_META: text, "pressure": task.pressure_array(), **block}
     stem = f"{task.realizations[0]:06d}-{task.realizations[-1]:06d}"
 
     def write(file: IO[bytes]) -> None:
-        np.savez(file, **arrays)  # type: ignore[arg-type]
+        write_arrays(file, arrays)
 
     with written(write, folder / stem) as temporary:
         target = folder / f"{stem}.{sha256_of(temporary)[:16]}.npz"
