@@ -34,6 +34,7 @@ LAYERS = (
     "surface",
     "heights_file",
     "transform",
+    "source_files",
     "models",
     "observables",
     "spec",
