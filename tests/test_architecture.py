@@ -36,6 +36,7 @@ LAYERS = (
     "heights_file",
     "transform",
     "scans",
+    "source_files",
     "models",
     "observables",
     "spec",

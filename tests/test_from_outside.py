@@ -198,7 +198,10 @@ def test_a_file_needs_no_package(folder: Path, command: Command) -> None:
     [
         (("area", "tour:work"), "both declare 'area'"),
         (("new", "no_such_module:x"), "cannot be loaded"),
-        (("new", "roughbench.observables:clusters"), "whose name is 'clusters'"),
+        (
+            ("new", "roughbench.observables:clusters"),
+            "has the name 'clusters'; give both one name",
+        ),
     ],
 )
 def test_a_bad_declaration_is_named(

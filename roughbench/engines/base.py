@@ -11,10 +11,10 @@ from typing import Protocol
 from roughbench.engines.compute import compute
 from roughbench.errors import RoughbenchError
 from roughbench.models.compilation import compiling_told
-from roughbench.models.files import blamed
 from roughbench.planning.plan import Block, Task
 from roughbench.rundir.checkpoint import Checkpoint
 from roughbench.rundir.usage import Meter, Usage
+from roughbench.source_files import blamed
 
 
 @dataclass(frozen=True, slots=True)

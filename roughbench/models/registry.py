@@ -2,25 +2,22 @@
 
 A built-in model stands in a table, one from a package in its entry points, group
 ``roughbench.models``: ``erf09 = "mytheory:Erf09"``. Both are loaded, and checked, by the same
-function when their kind is asked for.
+registry when their kind is asked for.
 """
 
 from __future__ import annotations
 
 import functools
-import importlib
-import importlib.metadata
 import inspect
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
 from typing import ClassVar, get_args
 
-from roughbench.errors import ModelError
+from roughbench.errors import ModelError, RoughbenchError
 from roughbench.models.base import Curve, FloatArray, Model, Needs, Sample
-from roughbench.models.files import load_reference, names_file, origin_of
-from roughbench.text import on_one_line
+from roughbench.registry import Registry
+from roughbench.source_files import load_reference, names_file, origin_of
 
 GROUP = "roughbench.models"
 BUILT_IN: Mapping[str, str] = {
@@ -45,34 +42,9 @@ _RESERVED = {
 """Attributes that results have beside the options of a model."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Entry:
-    """Where a kind comes from."""
-
-    target: str
-    owner: str
-
-    def __str__(self) -> str:
-        return f"{self.owner} ({self.target})"
-
-
-@functools.cache
-def _entries() -> dict[str, tuple[_Entry, ...]]:
-    """Return the entries of every kind, the built-in kinds first, by name."""
-    found: dict[str, tuple[_Entry, ...]] = {}
-    for kind, target in BUILT_IN.items():
-        found[kind] = (_Entry(target, "roughbench"),)
-    points = importlib.metadata.entry_points(group=GROUP)
-    for point in sorted(points, key=lambda point: (point.name, point.value)):
-        entry = _Entry(point.value, point.dist.name if point.dist else "a package")
-        if entry not in found.get(point.name, ()):  # a package may be found twice on the path
-            found[point.name] = (*found.get(point.name, ()), entry)
-    return found
-
-
 def kinds() -> list[str]:
     """Return every kind that is built in or installed; none is imported for it."""
-    return list(_entries())
+    return list(MODELS)
 
 
 def load(kind: str) -> type[Model]:
@@ -85,30 +57,12 @@ def load(kind: str) -> type[Model]:
     KeyError
         If there is no such kind.
     """
-    entry, *others = _entries()[kind]
-    if others:
-        raise ModelError(
-            f"kind {kind!r} is declared by {' and by '.join(map(str, (entry, *others)))}; "
-            "uninstall one of them"
-        )
-    return _loaded(kind, entry)
-
-
-@functools.cache
-def _loaded(kind: str, entry: _Entry) -> type[Model]:
-    module, _, name = entry.target.partition(":")
     try:
-        found: object = importlib.import_module(module)
-        for part in name.split("."):
-            found = getattr(found, part)
-    except (Exception, SystemExit) as error:
-        what = on_one_line(f"{type(error).__name__}: {error}")
-        message = f"kind {kind!r} comes from {entry}, which cannot be imported: {what}"
-        raise ModelError(message) from error
-    model = checked(found, str(entry))
-    if kind_of(model) != kind:
-        raise ModelError(f"{entry} is declared as {kind!r}, but is of kind {kind_of(model)!r}")
-    return model
+        return MODELS[kind]
+    except ModelError:
+        raise
+    except RoughbenchError as error:
+        raise ModelError(str(error)) from error
 
 
 def checked(found: object, where: str) -> type[Model]:
@@ -146,6 +100,17 @@ def checked(found: object, where: str) -> type[Model]:
             f"{where}: results have an attribute {taken[0]!r} already; rename the option"
         )
     return found
+
+
+def _of_kind(found: object, kind: str, where: str) -> type[Model]:
+    model = checked(found, where)
+    if kind_of(model) != kind:
+        raise ModelError(f"{where}, is of kind {kind_of(model)!r}; give both one name")
+    return model
+
+
+MODELS: Registry[type[Model]] = Registry(GROUP, declared=BUILT_IN, check=_of_kind)
+"""Kind in the spec → model; a model is imported when it is asked for."""
 
 
 def kind_of(model: type[Model]) -> str:
@@ -227,7 +192,7 @@ class Catalog:
             return Unavailable
         if not names_file(kind):
             return load(kind)
-        model = checked(load_reference(kind, self.folder), Path(kind).name)
+        model = checked(load_reference(kind, self.folder, Model), Path(kind).name)
         if kind_of(model) in BUILT_IN:
             raise ModelError(
                 f"{Path(kind).name} has the kind {kind_of(model)!r}, which roughbench has; "
@@ -246,21 +211,5 @@ class Catalog:
         except ModelError:
             return kind
 
-
-class _Models(Mapping[str, type[Model]]):
-    """Every kind that is built in or installed; a model is imported when it is asked for."""
-
-    def __getitem__(self, kind: str) -> type[Model]:
-        return load(kind)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(kinds())
-
-    def __len__(self) -> int:
-        return len(kinds())
-
-
-MODELS: Mapping[str, type[Model]] = _Models()
-"""Kind in the spec → model."""
 
 __all__ = ["BUILT_IN", "GROUP", "MODELS", "Catalog", "Unavailable", "declared", "origin_of"]

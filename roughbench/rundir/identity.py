@@ -20,12 +20,12 @@ from pathlib import Path
 
 import roughbench.observables
 from roughbench.models.base import Model
-from roughbench.models.files import installed_files, origin_of
 from roughbench.observables import OBSERVABLES, Observable
 from roughbench.planning.plan import Cell
 from roughbench.public import LAZY
 from roughbench.quantities import QUANTITIES
 from roughbench.rundir import source
+from roughbench.source_files import installed_files, origin_of
 from roughbench.spec import SelfAffineSurface
 
 Identity = Mapping[str, str | int | float]

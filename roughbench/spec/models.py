@@ -10,8 +10,8 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from roughbench.errors import ModelError
 from roughbench.models.base import Model
-from roughbench.models.files import names_file
 from roughbench.models.registry import Catalog, kind_of, kinds
+from roughbench.source_files import names_file
 from roughbench.spec.tree import did_you_mean, show
 
 

@@ -11,8 +11,8 @@ import pytest
 
 import roughbench as rb
 from roughbench.models.base import Model
-from roughbench.models.files import load_reference, origin_of, read_files
 from roughbench.models.registry import Catalog
+from roughbench.source_files import load_reference, origin_of, read_files
 from tests.models.outside import THEORY, write_theory
 
 REFERENCE = "mytheory.py:Erf09"

@@ -1,9 +1,11 @@
-"""Models in Python files: ``mytheory.py:Erf09`` → its class, here and in other processes.
+"""Classes in Python files: ``mytheory.py:Erf09`` → the class, here and in other processes.
+
+Models and observables may come so, and figures.
 
 A file is loaded together with the files beside it that it imports, as a package of its own.
 The package's name is made of the folder and the texts: two files of one name do not meet, and
 a file that was edited is another module. Another process, perhaps on a machine without these
-files, gets their texts with the model (:func:`carry`).
+files, gets their texts with the object (:func:`carry`).
 """
 
 from __future__ import annotations
@@ -27,10 +29,9 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from roughbench.errors import ModelError, RoughbenchError, explained
-from roughbench.models.base import Model
 from roughbench.text import on_one_line, suggestion
 
-_PREFIX = "roughbench_model_"
+_PREFIX = "roughbench_file_"
 _reference = re.compile(r"(?P<path>.+\.py)(?::(?P<name>.*))?", re.DOTALL).fullmatch
 
 
@@ -71,7 +72,7 @@ class SourceFiles:
 
 
 @dataclass(frozen=True, slots=True)
-class ModelOrigin:
+class Origin:
     """The files that a class was loaded from, and its name there."""
 
     files: SourceFiles
@@ -79,20 +80,20 @@ class ModelOrigin:
 
 
 _packages: dict[str, SourceFiles] = {}
-_origins: dict[type, ModelOrigin] = {}
+_origins: dict[type, Origin] = {}
 
 
-def names_file(kind: str) -> bool:
-    """Whether a kind names a file: ``mytheory.py:Erf09``, or the same without a class."""
-    return _reference(kind) is not None
+def names_file(name: str) -> bool:
+    """Whether a name is that of a file: ``mytheory.py:Erf09``, or the same without a class."""
+    return _reference(name) is not None
 
 
-def origin_of(model: type) -> ModelOrigin | None:
+def origin_of(found: type) -> Origin | None:
     """Return where a class comes from that was loaded from a file; None for any other."""
-    return _origins.get(model)
+    return _origins.get(found)
 
 
-def load_reference(reference: str, folder: Path) -> type[object]:
+def load_reference(reference: str, folder: Path, base: type = object) -> type[object]:
     """Return the class that ``mytheory.py:Erf09`` names.
 
     Parameters
@@ -100,6 +101,8 @@ def load_reference(reference: str, folder: Path) -> type[object]:
     reference : str
     folder : Path
         Where a relative path starts.
+    base : type
+        What errors propose are its subclasses.
 
     Raises
     ------
@@ -109,7 +112,7 @@ def load_reference(reference: str, folder: Path) -> type[object]:
     found = _reference(reference)
     if found is None:
         raise ModelError(f"must read mytheory.py:Erf09, got {on_one_line(reference)!r}")
-    return load_class(read_files(folder / found["path"]), found["name"] or "")
+    return load_class(read_files(folder / found["path"]), found["name"] or "", base)
 
 
 def read_files(path: Path) -> SourceFiles:
@@ -126,14 +129,14 @@ def read_files(path: Path) -> SourceFiles:
     )
 
 
-def installed_files(model: type) -> dict[str, str]:
-    """Return the texts that an installed model is made of, by path.
+def installed_files(found: type) -> dict[str, str]:
+    """Return the texts that an installed class is made of, by path.
 
     That of its module and of those that it imports, directly or not, from its own package; of
     a module without a package those beside it, if they are not what else is installed.
     """
-    path = Path(inspect.getfile(model))
-    parts = model.__module__.split(".")
+    path = Path(inspect.getfile(found))
+    parts = found.__module__.split(".")
     root = path.parents[len(parts) - (path.name != "__init__.py")]
     name = path.relative_to(root).as_posix()
     if len(parts) == 1 and path.name != "__init__.py" and any(root.glob("*.dist-info")):
@@ -157,7 +160,7 @@ def _gathered(folder: Path, main: str) -> dict[str, str]:
     return texts
 
 
-def load_class(files: SourceFiles, name: str) -> type[object]:
+def load_class(files: SourceFiles, name: str, base: type = object) -> type[object]:
     """Return a class of a file.
 
     Raises
@@ -172,41 +175,40 @@ def load_class(files: SourceFiles, name: str) -> type[object]:
         raise ModelError(_place_and_error([files.main, *dict(files.texts)], error)) from error
     found = getattr(module, name, None)
     if not isinstance(found, type):
-        raise ModelError(_no_class(files.main, name, module))
+        raise ModelError(_no_class(files.main, name, module, base))
     if found.__module__.startswith(files.package) and found not in _origins:
-        _origins[found] = ModelOrigin(files, name)
+        _origins[found] = Origin(files, name)
         copyreg.pickle(found, carry)
     return found
 
 
-def _no_class(file: str, name: str, module: types.ModuleType) -> str:
+def _no_class(file: str, name: str, module: types.ModuleType, base: type) -> str:
     """Say that a file has no such class, and which it has."""
-    own = [key for key, value in vars(module).items() if _is_own_model(value, module)]
+    own = [key for key, value in vars(module).items() if _is_own(value, module, base)]
     if not name and own:
         return f"must name a class too, as in {file}:{own[0]}"
     near = suggestion(name, own)
-    hint = f" (did you mean {near!r}?)" if near else f"; its models: {', '.join(own) or 'none'}"
+    kind = "classes" if base is object else f"{base.__name__.lower()}s"
+    hint = f" (did you mean {near!r}?)" if near else f"; its {kind}: {', '.join(own) or 'none'}"
     return f"{file} has no class {on_one_line(name)!r}{hint}"
 
 
-def carry(model: Model) -> tuple[Any, ...]:
-    """Return what pickle makes a model of a file from, wherever it arrives."""
-    origin = _origins[type(model)]
-    return _carried, (origin.files, origin.name, model.__getstate__())
+def carry(found: object) -> tuple[Any, ...]:
+    """Return what pickle makes an object of a file's class from, wherever it arrives."""
+    origin = _origins[type(found)]
+    return _carried, (origin.files, origin.name), found.__getstate__()
 
 
-def _carried(files: SourceFiles, name: str, state: dict[Any, Any]) -> Model:
+def _carried(files: SourceFiles, name: str) -> object:
+    """Return an object without its state, which pickle then gives it."""
     found = load_class(files, name)
-    model = found.__new__(found)
-    assert isinstance(model, Model)  # noqa: S101  (it was one where it was sent)
-    model.__setstate__(state)
-    return model
+    return found.__new__(found)
 
 
-def _is_own_model(value: object, module: types.ModuleType) -> bool:
+def _is_own(value: object, module: types.ModuleType, base: type) -> bool:
     if not isinstance(value, type) or value.__module__ != module.__name__:
         return False
-    return issubclass(value, Model) and not inspect.isabstract(value)
+    return issubclass(value, base) and not inspect.isabstract(value)
 
 
 def _place_and_error(files: Sequence[str], error: BaseException) -> str:
@@ -222,14 +224,25 @@ def _place_and_error(files: Sequence[str], error: BaseException) -> str:
     return f"{''.join(lines[-1:])}{on_one_line(f'{type(error).__name__}: {error}')}"
 
 
-def blamed(model: Model, error: Exception, where: str) -> Exception:
-    """Return an error that a model from outside raised as one of its file, with the line."""
-    origin = origin_of(type(model))
-    if isinstance(error, RoughbenchError) or type(model).__module__.startswith("roughbench."):
+def blamed(raised_in: object, error: Exception, where: str) -> Exception:
+    """Return an error of a model or an observable from outside as one of its file, with line.
+
+    Parameters
+    ----------
+    raised_in : object
+        What raised it.
+    error : Exception
+        One of roughbench, or raised in something of roughbench, stays what it is.
+    where : str
+        In what the message begins with.
+    """
+    kind = type(raised_in)
+    origin = origin_of(kind)
+    if isinstance(error, RoughbenchError) or kind.__module__.startswith("roughbench."):
         return error
     names = [path for path, _ in origin.files.texts] if origin else []
     with contextlib.suppress(OSError, TypeError):  # of a class without a file
-        names.append(inspect.getfile(type(model)))
+        names.append(inspect.getfile(kind))
     return ModelError(f"{where}: {_place_and_error(names, error)}")
 
 
@@ -275,7 +288,7 @@ def _beside(folder: Path, name: str, text: str) -> Iterator[str]:
 
 def _files_of(folder: Path, parts: Sequence[str]) -> Iterator[str]:
     """Yield the files of a module and of the packages around it, if they lie in the folder."""
-    if parts[:1] == ("roughbench",):  # in a checkout it lies there, and is none of the model's
+    if parts[:1] == ("roughbench",):  # in a checkout it lies there, and belongs to no file
         return
     for depth in range(1, len(parts) + 1):
         inner = "/".join(parts[:depth])
@@ -388,7 +401,7 @@ def _place(files: SourceFiles, path: str, text: str) -> str:
         if original.read_text(encoding="utf-8-sig") == text:
             return str(original)
     with contextlib.suppress(OSError):
-        copy = cache_folder() / "models" / files.package / path
+        copy = cache_folder() / "files" / files.package / path
         copy.parent.mkdir(parents=True, exist_ok=True)
         partial = copy.with_name(f".{copy.name}.{os.getpid()}")
         partial.write_text(text, encoding="utf-8")
