@@ -61,6 +61,7 @@ from roughbench.errors import (
     SpecError,
     StoreError,
     SurfaceError,
+    UnitError,
 )
 from roughbench.public import LAZY
 
@@ -93,6 +94,7 @@ __all__ = [
     "StoreError",
     "Style",
     "SurfaceError",
+    "UnitError",
     "__version__",
     "load",
     "load_spec",

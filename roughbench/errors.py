@@ -15,6 +15,17 @@ class SurfaceError(RoughbenchError):
     """Heights, a grid or a spectrum that cannot be used."""
 
 
+class UnitError(RoughbenchError):
+    """A number with a unit that cannot be read, or is of another dimension.
+
+    ``reason`` says what is wrong and what to write; the message also names what it is.
+    """
+
+    def __init__(self, reason: str, name: str = "") -> None:
+        self.reason = reason
+        super().__init__(f"{name}: {reason}" if name else reason)
+
+
 class SolverError(RoughbenchError):
     """Input that a contact model cannot solve."""
 
