@@ -32,19 +32,23 @@ def command(results: Path, as_json: bool, reference: str | None, resamples: int)
 
     Prints κ = (A/A0) E*ξ/p and the range where it holds, the region K ~ p, u0 and p0 of
     ū = u0 ln(p0/p), exponent and prefactor of the stiffness of few contacts, and the
-    pressures between which each model agrees with the exact one within 10 % and 50 %.
+    pressures between which each model agrees with the exact one within 10 % and 50 %;
+    and in a sentence for each model and quantity, where it can be trusted on these
+    surfaces.
 
     Errors come from a bootstrap over the realizations. The criteria of all ranges stand in
     the documentation, docs/fits.md.
     """
     from roughbench.cli.fit_tables import as_text, to_json
-    from roughbench.fits import fit
     from roughbench.store import load
     from roughbench.text import on_one_line
+    from roughbench.verdict import fit_experiments, trust_of
 
-    loaded = load(results)
-    fitted = fit(loaded, reference=reference, resamples=resamples)
+    loaded, name = load(results), on_one_line(str(results))
+    experiments = fit_experiments([(name, loaded)], reference, resamples)
+    fitted = {one.experiment: one.fits for one in experiments}
+    trusts = trust_of(experiments)
     if as_json:
-        click.echo(to_json(loaded, fitted, reference, resamples))
+        click.echo(to_json(loaded, fitted, reference, resamples, trusts))
     else:
-        click.echo(as_text(loaded, fitted, on_one_line(str(results)), reference))
+        click.echo(as_text(loaded, fitted, name, reference, trusts))

@@ -4,20 +4,30 @@ from __future__ import annotations
 
 import json
 import math
+import re
+import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 
 from roughbench.fits import Estimate, reference_of
 from roughbench.fits.tables import Table, departure_tables, law_tables
 from roughbench.results import ModelResult, Results
+from roughbench.verdict.trust import ContenderTrust, Trust
 
 Fitted = Mapping[str, Mapping[str, Mapping[str, Estimate]]]
 Names = Mapping[str, Estimate]
 
 _WIDTH = 20
+_HELD = re.compile(r" (?=[±=%≤]|E\*)|(?<=[±=≤]) |(?<=p =) ")
 
 
-def as_text(results: Results, fitted: Fitted, source: str, reference: str | None) -> str:
-    """Return tables of all fits.
+def as_text(
+    results: Results,
+    fitted: Fitted,
+    source: str,
+    reference: str | None,
+    trusts: Sequence[ContenderTrust] = (),
+) -> str:
+    """Return tables of all fits, and where each model can be trusted.
 
     Parameters
     ----------
@@ -28,6 +38,8 @@ def as_text(results: Results, fitted: Fitted, source: str, reference: str | None
         Name of the file, for the title.
     reference : str or None
         As it was given to it.
+    trusts : sequence of ContenderTrust
+        Of these experiments.
     """
     heading = (
         f"{source}: {results.name}\n"
@@ -43,6 +55,9 @@ def as_text(results: Results, fitted: Fitted, source: str, reference: str | None
         others = [name for name in models if name != label]
         if label is not None and others:
             blocks.append("\n".join(_departures(kept, models, others, label)))
+        own = [one for one in trusts if one.experiment == experiment]
+        if own:
+            blocks.append("\n".join(_trusted(own)))
     return "\n\n".join(blocks)
 
 
@@ -69,6 +84,21 @@ def _departures(
         yield from _lines(width, (f"{table.title}: {start}", end), table)
 
 
+def _trusted(trusts: Sequence[ContenderTrust]) -> Iterator[str]:
+    yield "where each model can be trusted on these surfaces"
+    for one in trusts:
+        yield from _wrapped(f"{one.label} ({one.title}): {one.basis}", 0)
+        for trust in one.quantities:
+            yield from _wrapped(f"{trust.name}: {trust.sentence}", 2)
+
+
+def _wrapped(text: str, indent: int) -> list[str]:
+    """Return lines that keep numbers with their signs, errors and units."""
+    start, held = " " * indent, _HELD.sub("\xa0", text)
+    lines = textwrap.wrap(held, 96, initial_indent=start, subsequent_indent=f"{start}    ")
+    return [line.replace("\xa0", " ") for line in lines]
+
+
 def _lines(width: int, headings: Sequence[str], table: Table) -> Iterator[str]:
     widths = [max(_WIDTH, len(heading)) for heading in headings]
     titles = (f"  {heading:<{w}}" for heading, w in zip(headings, widths, strict=True))
@@ -91,8 +121,17 @@ def _text(number: Estimate) -> str:
     return value if math.isnan(number.error) else f"{value} ± {number.error:.2g}"
 
 
-def to_json(results: Results, fitted: Fitted, reference: str | None, resamples: int) -> str:
-    """Return all fits as strict JSON; what is not defined is null."""
+def to_json(
+    results: Results,
+    fitted: Fitted,
+    reference: str | None,
+    resamples: int,
+    trusts: Sequence[ContenderTrust] = (),
+) -> str:
+    """Return all fits, and where each model can be trusted, as strict JSON.
+
+    What is not defined is null.
+    """
     content = {
         "name": results.name,
         "spec_sha256": results.spec_sha256,
@@ -109,6 +148,17 @@ def to_json(results: Results, fitted: Fitted, reference: str | None, resamples: 
             }
             for experiment, models in fitted.items()
         },
+        "trust": {
+            experiment: {
+                one.label: {
+                    "basis": one.basis,
+                    "quantities": {t.quantity.name: _trust_as_json(t) for t in one.quantities},
+                }
+                for one in trusts
+                if one.experiment == experiment
+            }
+            for experiment in fitted
+        },
     }
     return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False)
 
@@ -119,3 +169,18 @@ def _as_json(estimate: Estimate) -> dict[str, object]:
         for name in ("value", "error", "low", "high", "share")
     }
     return numbers | {"is_bound": estimate.is_bound}
+
+
+def _trust_as_json(trust: Trust) -> dict[str, object]:
+    """Return range, deviations and the sentence; what is not compared has the last alone."""
+    if trust.found is None:
+        return {"sentence": trust.sentence}
+    return {
+        "sentence": trust.sentence,
+        "percent": trust.found.percent,
+        "from": _as_json(trust.found.start),
+        "to": _as_json(trust.found.end),
+        "deviations": [
+            {"pressure": one.pressure, **_as_json(one.estimate)} for one in trust.deviations
+        ],
+    }

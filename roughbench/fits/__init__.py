@@ -23,6 +23,9 @@ True
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
 from roughbench.errors import StoreError
 from roughbench.fits.averages import Averages
 from roughbench.fits.comparisons import (
@@ -32,6 +35,7 @@ from roughbench.fits.comparisons import (
     compare_factors,
     comparisons,
 )
+from roughbench.fits.deviations import Deviations, deviations
 from roughbench.fits.laws import fit_laws, needs
 from roughbench.fits.resampling import MISSING, NOT_GIVEN, Estimate, estimate, n_random
 from roughbench.models.registry import is_reference
@@ -43,10 +47,13 @@ __all__ = [
     "PERCENTS",
     "RESAMPLES",
     "Comparison",
+    "Deviations",
     "Estimate",
+    "FittedModel",
     "comparisons",
     "factors",
     "fit",
+    "fit_models",
     "n_random",
     "reference_of",
 ]
@@ -129,18 +136,67 @@ def fit(
     ValueError
         If there are fewer than two resamples.
     """
+    return {
+        experiment: {
+            label: one.estimates
+            for label, one in fit_models(
+                models,
+                reference=reference_of(dict(models), reference),
+                resamples=resamples,
+                seed=seed,
+            ).items()
+        }
+        for experiment, models in results.items()
+    }
+
+
+@dataclass(frozen=True, slots=True)
+class FittedModel:
+    """What one model's curves say in numbers.
+
+    Attributes
+    ----------
+    estimates : dict of str to Estimate
+        By name, as :func:`fit` describes them.
+    deviations : mapping of str to Deviations
+        From the reference, by quantity; empty for the reference itself, and where the
+        pressures differ.
+    """
+
+    estimates: dict[str, Estimate]
+    deviations: Mapping[str, Deviations] = field(default_factory=dict)
+
+
+def fit_models(
+    models: Mapping[str, ModelResult],
+    *,
+    reference: str | None,
+    resamples: int = RESAMPLES,
+    seed: int = 0,
+) -> dict[str, FittedModel]:
+    """Fit the models of one experiment, and compare them with one of them.
+
+    Parameters
+    ----------
+    models : mapping of str to ModelResult
+    reference : str or None
+        Label of the one that the others are held against; None: of none.
+    resamples, seed : int
+        As in :func:`fit`.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than two resamples.
+    """
     if resamples < 2:
         raise ValueError(f"an error needs at least 2 resamples, got {resamples}")
-    fitted: Fits = {}
-    for experiment, models in results.items():
-        label = reference_of(dict(models), reference)
-        averages = {n: Averages(result, resamples, seed) for n, result in models.items()}
-        chosen = averages[label] if label is not None else None
-        fitted[experiment] = {name: _fit_model(one, chosen) for name, one in averages.items()}
-    return fitted
+    averages = {label: Averages(result, resamples, seed) for label, result in models.items()}
+    chosen = averages[reference] if reference is not None else None
+    return {label: _fit_model(one, chosen) for label, one in averages.items()}
 
 
-def _fit_model(one: Averages, reference: Averages | None) -> dict[str, Estimate]:
+def _fit_model(one: Averages, reference: Averages | None) -> FittedModel:
     laws = fit_laws(one.pressure, one.means, dict(one.result.attributes), one.height[:, 0])
     found = {
         name: estimate(*values, bound="≤" if "_from" in name else "≥", count=one.count)
@@ -149,8 +205,8 @@ def _fit_model(one: Averages, reference: Averages | None) -> dict[str, Estimate]
         for name, values in laws.items()
     }
     if reference is None or reference is one:
-        return found
-    return found | compare(one, reference)
+        return FittedModel(found)
+    return FittedModel(found | compare(one, reference), deviations(one, reference))
 
 
 def factors(

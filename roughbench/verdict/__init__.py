@@ -34,16 +34,20 @@ from roughbench.verdict.contenders import judge_contenders
 from roughbench.verdict.experiments import FittedExperiment, fit_experiments
 from roughbench.verdict.judging import Measurement, Range, Verdict
 from roughbench.verdict.rules import Outcome
+from roughbench.verdict.trust import ContenderTrust, Trust, trust_of
 
 __all__ = [
+    "ContenderTrust",
     "FittedExperiment",
     "Measurement",
     "Outcome",
     "Range",
+    "Trust",
     "Verdict",
     "fit_experiments",
     "judge",
     "judge_experiments",
+    "trust_of",
 ]
 
 

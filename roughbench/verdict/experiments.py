@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from roughbench.errors import StoreError
-from roughbench.fits import Estimate, fit, reference_of
+from roughbench.fits import Deviations, Estimate, fit_models, reference_of
 from roughbench.results import ModelResult, Results
 
 EXACT = ("exact",)
@@ -30,6 +30,8 @@ class FittedExperiment:
         By label and name.
     reference : str or None
         Label of the exact solution.
+    deviations : mapping of str to mapping of str to Deviations
+        From it, by label and quantity.
     """
 
     source: str
@@ -38,6 +40,7 @@ class FittedExperiment:
     models: Mapping[str, ModelResult]
     fits: Mapping[str, Mapping[str, Estimate]]
     reference: str | None
+    deviations: Mapping[str, Mapping[str, Deviations]] = field(default_factory=dict)
 
     @property
     def exact(self) -> ModelResult | None:
@@ -85,11 +88,18 @@ def fit_experiments(
         for experiment, models in results.items():
             known = reference is None or reference in models
             label = reference_of(dict(models), reference if known else None)
-            alone = Results({experiment: models}, results.spec_text, results.spec_sha256)
-            fits = fit(alone, reference=label, resamples=resamples)[experiment]
-            place = experiment if len(sources) == 1 else f"{name}: {experiment}"
+            kept = dict(models)
+            fitted = fit_models(kept, reference=label, resamples=resamples)
             experiments.append(
-                FittedExperiment(name, experiment, place, dict(models), fits, label)
+                FittedExperiment(
+                    name,
+                    experiment,
+                    experiment if len(sources) == 1 else f"{name}: {experiment}",
+                    kept,
+                    {key: one.estimates for key, one in fitted.items()},
+                    label,
+                    {key: one.deviations for key, one in fitted.items()},
+                )
             )
     labels = dict.fromkeys(label for one in experiments for label in one.models)
     if reference is not None and reference not in labels:

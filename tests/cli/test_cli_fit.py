@@ -14,6 +14,7 @@ import roughbench as rb
 from roughbench.cli.fit import command
 from roughbench.cli.fit_tables import as_text, to_json
 from roughbench.fits import RESAMPLES, fit
+from roughbench.verdict import fit_experiments, trust_of
 from tests.fits.lawful import collect, make
 from tests.fits.test_comparisons import exact_curves, without
 
@@ -92,7 +93,8 @@ def test_json_is_strict_and_complete(fits: Path, invoke: Invoke) -> None:
                 assert shown[name]["is_bound"] is estimate.is_bound
     persson = content["experiments"]["surface.qr=4.0"]["persson"]
     assert persson["kappa"]["error"] is None
-    assert json.loads(to_json(rb.load(fits), found, "persson", 20)) == content
+    trusts = trust_of(fit_experiments([("fits.h5", rb.load(fits))], "persson", 20))
+    assert json.loads(to_json(rb.load(fits), found, "persson", 20, trusts)) == content
 
 
 def test_what_a_model_does_not_give_is_said() -> None:
@@ -126,3 +128,31 @@ def test_an_unknown_reference_is_refused(fits: Path, invoke: Invoke) -> None:
 def test_as_many_resamples_as_from_python() -> None:
     (option,) = (option for option in command.params if option.name == "resamples")
     assert option.default == RESAMPLES
+
+
+def test_it_says_where_each_model_can_be_trusted(fits: Path, invoke: Invoke) -> None:
+    done = invoke("fit", fits, "--reference", "winkler", "--resamples", 20)
+    text = " ".join(done.stdout.split())
+    content = json.loads(
+        invoke("fit", fits, "--json", "--reference", "winkler", "--resamples", 20).stdout
+    )
+    assert content["trust"].keys() == {"surface.qr=1.0", "surface.qr=4.0"}
+    for models in content["trust"].values():
+        assert models.keys() == {"foundation", "persson"}
+        for one in models.values():
+            assert one["basis"] in text
+            assert one["quantities"].keys() == {"area", "separation", "stiffness"}
+            for found in one["quantities"].values():
+                assert found["sentence"] in text
+                assert found["percent"] == 10
+                assert len(found["deviations"]) == 8  # decades from 1e-8 to 0.1
+
+
+def test_a_model_without_a_comparison_has_a_sentence_alone() -> None:
+    results = collect(make(exact_curves()), without(make(exact_curves(), "persson"), "area"))
+    experiments = fit_experiments([("one", results)], None, 2)
+    fitted = {one.experiment: one.fits for one in experiments}
+    found = json.loads(to_json(results, fitted, None, 2, trust_of(experiments)))
+    quantities = found["trust"]["main"]["persson"]["quantities"]
+    assert quantities["area"] == {"sentence": "not given"}
+    assert quantities["stiffness"]["deviations"][0]["value"] == 0.0

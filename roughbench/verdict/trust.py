@@ -1,0 +1,293 @@
+"""Where each contender can be trusted: in words, from ranges and deviations.
+
+Of every quantity that a contender gives: between which pressures it is within 10 % of the
+exact solution, by how much it is off at some pressures, about one a decade, and how many
+surfaces on both sides that rests on.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from roughbench.fits import Deviations, Estimate
+from roughbench.fits.comparisons import NEARLY_CLOSED, Comparison
+from roughbench.models.registry import declared, is_reference
+from roughbench.notation import typeset
+from roughbench.quantities import Quantity, compared
+from roughbench.results import ModelResult
+from roughbench.verdict.experiments import FittedExperiment
+from roughbench.verdict.judging import Range
+from roughbench.verdict.measures import OTHER_PRESSURES
+
+FloatArray = NDArray[np.float64]
+
+PERCENT = 10
+"""How near to the exact solution a contender has to be."""
+TIMES = 3.0
+"""From this ratio on a deviation is said as a factor: 14 times, not +1300 %."""
+FEW_PRESSURES = 4
+"""So many are all shown; of more, one a decade."""
+MOST_PLACES = 4
+LARGE_ERROR = 0.5
+"""Errors above this part of a pressure are said as the interval."""
+_NEARLY_CLOSED = f"the highest with A/A₀ ≤ {NEARLY_CLOSED:g}"
+
+
+@dataclass(frozen=True, slots=True)
+class Deviation:
+    """How far a contender is from the exact solution at one pressure.
+
+    Attributes
+    ----------
+    pressure : float
+        p/E*.
+    estimate : Estimate
+        Model over exact, less 1: -0.32 is 32 % too little.
+    """
+
+    pressure: float
+    estimate: Estimate
+
+    @property
+    def text(self) -> str:
+        """The deviation in words, with its error.
+
+        Examples
+        --------
+        >>> exact = Estimate(-0.32, math.nan, math.nan, math.nan, 1.0)
+        >>> Deviation(1e-3, exact).text, Deviation(1e-3, Estimate(12.9, 0.6, 12, 14, 1.0)).text
+        ('−32 %', '13.9 ± 0.6 times')
+        """
+        value, error = self.estimate.value, self.estimate.error
+        if math.isnan(value):
+            return "–"
+        if math.isinf(value):
+            return "infinite"
+        if value + 1.0 >= TIMES:
+            return f"{_rounded(value + 1.0, error)} times"
+        text = _rounded(100.0 * abs(value), 100.0 * error)
+        sign = "+" if value > 0.0 else "−"
+        return f"{sign * (float(text.split()[0]) != 0.0)}{text} %"
+
+    @property
+    def place(self) -> str:
+        """Where it is."""
+        return pressure_text(self.pressure)
+
+
+@dataclass(frozen=True, slots=True)
+class Trust:
+    """Where a contender can be trusted in one quantity on one surface.
+
+    Attributes
+    ----------
+    quantity : Quantity
+    noun : str
+        Whose value it is held against: ``exact``, or ``reference``.
+    found : Range or None
+        Where it agrees with the exact solution; None where it is not compared with it.
+    deviations : tuple of Deviation
+        At chosen pressures.
+    highest : str
+        What the last pressure is that is compared.
+    missing : str
+        Why there is no comparison: ``not given``, or in a sentence; empty where there is one.
+    """
+
+    quantity: Quantity
+    noun: str
+    found: Range | None
+    deviations: tuple[Deviation, ...] = ()
+    highest: str = "the highest"
+    missing: str = ""
+
+    @property
+    def name(self) -> str:
+        """The quantity in words: contact area A/A₀."""
+        return f"{self.quantity.words} {typeset(self.quantity.symbol)}"
+
+    @property
+    def range_text(self) -> str:
+        """Where it agrees: ``within 10 % of the exact contact area from … to …``."""
+        if self.found is None:
+            return self.missing
+        start, end = self.found.start, self.found.end
+        within = f"within {self.found.percent} % of the {self.noun} {self.quantity.words}"
+        if not math.isfinite(start.value):
+            return f"nowhere {within}"
+        low, high = _end_text(start), _end_text(end)
+        if start.is_bound and end.is_bound:
+            return f"{within} from {low} to {high}, the lowest pressure to {self.highest}"
+        low += ", the lowest pressure," * start.is_bound
+        high += f", {self.highest}" * end.is_bound
+        return f"{within} from {low} to {high}"
+
+    @property
+    def sentence(self) -> str:
+        """All of it in one sentence, without the quantity: ``within …; at p = … −32 %``."""
+        places = [f"at p = {one.place} {one.text}" for one in self.deviations]
+        return "; ".join(filter(None, [self.range_text, ", ".join(places)]))
+
+
+@dataclass(frozen=True, slots=True)
+class ContenderTrust:
+    """Where one contender can be trusted on one surface.
+
+    Attributes
+    ----------
+    where : str
+        Experiment and label, after the source where there are several.
+    source, experiment, label, title : str
+    basis : str
+        How many surfaces the comparison rests on, and what its errors are.
+    quantities : tuple of Trust
+    """
+
+    where: str
+    source: str
+    experiment: str
+    label: str
+    title: str
+    basis: str
+    quantities: tuple[Trust, ...]
+
+
+def trust_of(experiments: Sequence[FittedExperiment]) -> list[ContenderTrust]:
+    """Return where each contender can be trusted, experiment by experiment.
+
+    Parameters
+    ----------
+    experiments : sequence of FittedExperiment
+        Those without an exact solution tell nothing.
+    """
+    return [
+        ContenderTrust(
+            experiment.where(model),
+            experiment.source,
+            experiment.experiment,
+            model.label,
+            model.title,
+            _basis(model, experiment.exact),
+            tuple(_quantities(experiment, model, experiment.exact)),
+        )
+        for experiment in experiments
+        if experiment.exact is not None
+        for model in experiment.contenders
+    ]
+
+
+def _quantities(
+    experiment: FittedExperiment, model: ModelResult, exact: ModelResult
+) -> Iterator[Trust]:
+    fits = experiment.fits[model.label]
+    deviations = experiment.deviations.get(model.label, {})
+    noun = "exact" if is_reference(exact.kind) else "reference’s"
+    for name, quantity in compared().items():
+        comparison = Comparison(name)
+        if not quantity.is_expected and comparison.factor not in fits:
+            continue
+        if name not in model:
+            yield Trust(quantity, noun, None, missing="not given")
+        elif name not in exact:
+            yield Trust(quantity, noun, None, missing=f"not given by {exact.title}")
+        elif name not in deviations:
+            yield Trust(quantity, noun, None, missing=f"not compared: {OTHER_PRESSURES}")
+        else:
+            start, end = (fits[key] for key in comparison.ends(PERCENT))
+            found = deviations[name]
+            is_open = not end.is_bound or end.value >= found.pressure[-1] * (1.0 - 1e-9)
+            highest = "the highest" if is_open else _NEARLY_CLOSED
+            chosen = tuple(_chosen(found))
+            yield Trust(quantity, noun, Range(PERCENT, start, end), chosen, highest)
+
+
+def _chosen(found: Deviations) -> Iterator[Deviation]:
+    for k in choose_pressures(found.pressure):
+        yield Deviation(float(found.pressure[k]), found.estimates[k])
+
+
+def choose_pressures(pressure: FloatArray) -> list[int]:
+    """Return the places of the pressures that are nearest to a power of ten, one each.
+
+    Examples
+    --------
+    >>> choose_pressures(np.array([1e-5, 3e-5, 8e-5, 2e-4, 1.1e-3, 4e-3]))
+    [0, 2, 4]
+    """
+    if pressure.size <= FEW_PRESSURES:
+        return list(range(pressure.size))
+    x = np.log10(pressure)
+    tens = np.arange(math.floor(x.min() + 0.5), math.floor(x.max() + 0.5) + 1)
+    return sorted({int(np.argmin(np.abs(x - ten))) for ten in tens})
+
+
+# -- words -------------------------------------------------------------------------------
+
+
+def _basis(model: ModelResult, exact: ModelResult) -> str:
+    """Say what surfaces were compared, and where the errors come from."""
+    ours, theirs = _surfaces(model), _surfaces(exact)
+    whom = "the exact solution" if is_reference(exact.kind) else exact.title
+    of_theirs = f" of {theirs}" if theirs else ""
+    words = f"{ours or 'from the spectrum alone'}, against {whom}{of_theirs}"
+    random = [one for one in (model, exact) if one.is_random]
+    if not random:
+        return f"{words}; nothing in it is random: no errors"
+    if any(one.n_realizations == 1 for one in random):
+        return f"{words}; a single surface has no scatter: no errors"
+    if len(random) == 1 and ours and theirs:
+        whose = "the model" if random[0] is model else whom
+        return f"{words}; ± is the standard error of {whose} alone"
+    return f"{words}; ± is one standard error"
+
+
+def _surfaces(result: ModelResult) -> str:
+    """Return how many surfaces or lines a model looked at; empty of a theory."""
+    if "grid_points" not in result.attributes:
+        return ""
+    noun, many = sample_noun(result), result.n_realizations
+    if not result.is_random:
+        return f"one given {noun}"
+    return f"{many} {noun}s" if many > 1 else f"a single {noun}"
+
+
+def sample_noun(result: ModelResult) -> str:
+    """Return what a model works on: ``line`` or ``surface``."""
+    model = declared(result.kind)
+    of_line = model is not None and model.needs == "line"
+    return "line" if of_line or result.attributes.get("dimension") == 1 else "surface"
+
+
+def pressure_text(pressure: float) -> str:
+    """Return a pressure as verdicts write it."""
+    return f"{pressure:.2g} E*"
+
+
+def _end_text(end: Estimate) -> str:
+    """Return an end of a range with its error, or with its interval where that is wide."""
+    text = pressure_text(end.value)
+    if math.isnan(end.error) or end.is_bound:
+        return text
+    if end.error > LARGE_ERROR * end.value:
+        low = f"{end.low:.1g} " if end.low > 0.0 else "up "
+        return f"{text} (68 %: {low}to {end.high:.1g})"
+    return f"({end.value:.2g} ± {end.error:.1g}) E*"
+
+
+def _rounded(value: float, error: float) -> str:
+    """Return a number that is not negative with its error, both to its first digit.
+
+    Examples
+    --------
+    >>> _rounded(13.91, 0.62), _rounded(32.4, math.nan), _rounded(0.0, math.nan)
+    ('13.9 ± 0.6', '32', '0')
+    """
+    places = max(0, -math.floor(math.log10(error))) if error > 0.0 else math.inf
+    if places > MOST_PLACES or not math.isfinite(error):  # none, or one of rounding only
+        return f"{value:.2g}" if 0.01 <= value < 99.5 else f"{value:.0f}"
+    return f"{value:.{places}f} ± {error:.{places}f}"
