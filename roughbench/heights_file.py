@@ -65,7 +65,7 @@ def load_heights(path: str | Path, folder: str | Path = ".") -> FloatArray:
     if colon:
         heights = _load_hdf5(Path(folder) / file_name, "/" + dataset, name)
     elif name.endswith(".npy"):
-        heights = _load_npy(Path(folder) / name, name)
+        heights = read_npy(Path(folder) / name, name)
     else:
         raise SurfaceError(
             f"{name}: heights come from a .npy file, or from an HDF5 file with the dataset "
@@ -85,8 +85,14 @@ def load_heights(path: str | Path, folder: str | Path = ".") -> FloatArray:
     return np.ascontiguousarray(heights, np.float64)
 
 
-def _check_layout(shape: tuple[int, ...] | None, dtype: np.dtype[Any], name: str) -> None:
-    """Refuse what is no array of real numbers in one or two dimensions."""
+def check_layout(shape: tuple[int, ...] | None, dtype: np.dtype[Any], name: str) -> None:
+    """Refuse what is no array of real numbers in one or two dimensions.
+
+    Raises
+    ------
+    SurfaceError
+        Naming the file, the type or shape, and the remedy.
+    """
     if dtype.kind not in "fiu":
         raise SurfaceError(
             f"{name}: heights must be real numbers, got the type {dtype}; save them as float64"
@@ -102,8 +108,14 @@ def _check_layout(shape: tuple[int, ...] | None, dtype: np.dtype[Any], name: str
         )
 
 
-def _check_memory(shape: tuple[int, ...], dtype: np.dtype[Any], name: str) -> None:
-    """Refuse what would not fit into memory, as it is in the file and in float64."""
+def check_memory(shape: tuple[int, ...], dtype: np.dtype[Any], name: str) -> None:
+    """Refuse what would not fit into memory, as it is in the file and in float64.
+
+    Raises
+    ------
+    SurfaceError
+        Naming the file and what would fit.
+    """
     n_points, per_point = math.prod(shape), dtype.itemsize + 8
     memory.check(
         per_point * n_points,
@@ -113,7 +125,14 @@ def _check_memory(shape: tuple[int, ...], dtype: np.dtype[Any], name: str) -> No
     )
 
 
-def _check_there(path: Path, name: str) -> None:
+def check_there(path: Path, name: str) -> None:
+    """Refuse what is no regular file that can be read.
+
+    Raises
+    ------
+    SurfaceError
+        Naming the file as ``name``, and the remedy.
+    """
     try:
         there = path.is_file()
     except OSError as error:
@@ -124,8 +143,15 @@ def _check_there(path: Path, name: str) -> None:
         raise SurfaceError(f"{name}: no permission to read it; check the permissions")
 
 
-def _load_npy(path: Path, name: str) -> NDArray[Any]:
-    _check_there(path, name)
+def read_npy(path: Path, name: str) -> NDArray[Any]:
+    """Return the array of a ``.npy`` file, of one or two dimensions, in the type it has.
+
+    Raises
+    ------
+    SurfaceError
+        If there is no such file, or no array of real numbers of a good shape in it.
+    """
+    check_there(path, name)
     try:
         with path.open("rb") as file:
             _check_npy(file, name)
@@ -147,52 +173,82 @@ def _check_npy(file: IO[bytes], name: str) -> None:
         shape, _, dtype = np.lib.format.read_array_header_2_0(file)
     if dtype.hasobject:
         raise ValueError("Object arrays cannot be loaded")
-    _check_layout(shape, dtype, name)
+    check_layout(shape, dtype, name)
     start = file.tell()
     held = file.seek(0, os.SEEK_END) - start
     wanted = math.prod(shape) * dtype.itemsize
     if wanted > held:
         raise ValueError(f"cut short: {shape} numbers take {wanted} bytes, it has {held}")
-    _check_memory(shape, dtype, name)
+    check_memory(shape, dtype, name)
     file.seek(0)
 
 
 def _load_hdf5(path: Path, dataset: str, name: str) -> NDArray[Any]:
-    import h5py
-
-    _check_there(path, name)
-    try:
-        file = h5py.File(path, "r")
-    except OSError as error:
-        raise SurfaceError(f"{name}: {path.name} is not a readable HDF5 file") from error
-    with file:
-        found = _find_dataset(file, dataset, name)
-        if found.is_virtual or found.external:
-            raise SurfaceError(
-                f"{name}: the dataset keeps its data in other files, which is refused; "
-                "copy them into one dataset"
-            )
-        _check_layout(found.shape, found.dtype, name)
-        _check_stored(found, name)
-        _check_memory(found.shape, found.dtype, name)
-        try:
-            heights: NDArray[Any] = found[()]
-        except (OSError, MemoryError) as error:
-            raise SurfaceError(f"{name}: the dataset cannot be read ({error})") from error
+    with open_hdf5(path, name) as file:
+        found = find_dataset(file, dataset, name)
+        heights = read_dataset(found, name)
         _refuse_fill_values(heights, found, name)
         return heights
 
 
-def _refuse_fill_values(heights: NDArray[Any], found: h5py.Dataset, name: str) -> None:
-    """Refuse points that the dataset says are missing, as netCDF writes masked arrays."""
+def open_hdf5(path: Path, name: str) -> h5py.File:
+    """Open an HDF5 file for reading; a context manager.
+
+    Raises
+    ------
+    SurfaceError
+        If there is no such file, or it is no HDF5 file.
+    """
+    import h5py
+
+    check_there(path, name)
+    try:
+        return h5py.File(path, "r")
+    except OSError as error:
+        raise SurfaceError(f"{name}: {path.name} is not a readable HDF5 file") from error
+
+
+def read_dataset(found: h5py.Dataset, name: str) -> NDArray[Any]:
+    """Return the array of a dataset, of one or two dimensions, in the type it has.
+
+    Raises
+    ------
+    SurfaceError
+        If its data are in other files, were never written in part, cannot be held in
+        memory or read, or are no array of real numbers of a good shape.
+    """
+    if found.is_virtual or found.external:
+        raise SurfaceError(
+            f"{name}: the dataset keeps its data in other files, which is refused; "
+            "copy them into one dataset"
+        )
+    check_layout(found.shape, found.dtype, name)
+    _check_stored(found, name)
+    check_memory(found.shape, found.dtype, name)
+    try:
+        values: NDArray[Any] = found[()]
+    except (OSError, MemoryError) as error:
+        raise SurfaceError(f"{name}: the dataset cannot be read ({error})") from error
+    return values
+
+
+def fill_values(found: h5py.Dataset) -> dict[str, NDArray[Any]]:
+    """Return the numbers that a dataset says stand for missing points, by attribute."""
+    fills = {}
     for attribute in ("_FillValue", "missing_value"):
         try:
             fill = np.ravel(found.attrs.get(attribute, ()))
         except (OSError, TypeError, ValueError):  # of a type that numbers do not have
             continue
-        if fill.dtype.kind not in "fiu":
-            continue
-        missing = sum(int(np.count_nonzero(heights == value)) for value in fill[:_MOST_FILLS])
+        if fill.dtype.kind in "fiu" and fill.size:
+            fills[attribute] = fill[:_MOST_FILLS]
+    return fills
+
+
+def _refuse_fill_values(heights: NDArray[Any], found: h5py.Dataset, name: str) -> None:
+    """Refuse points that the dataset says are missing, as netCDF writes masked arrays."""
+    for attribute, fill in fill_values(found).items():
+        missing = sum(int(np.count_nonzero(heights == value)) for value in fill)
         if missing:
             raise SurfaceError(
                 f"{name}: {missing} of {heights.size} heights are marked as missing "
@@ -222,8 +278,14 @@ def _check_stored(found: h5py.Dataset, name: str) -> None:
         )
 
 
-def _find_dataset(file: h5py.File, dataset: str, name: str) -> h5py.Dataset:
-    """Follow the path link by link, so that no link leads out of the file."""
+def find_dataset(file: h5py.File, dataset: str, name: str) -> h5py.Dataset:
+    """Follow the path link by link, so that no link leads out of the file.
+
+    Raises
+    ------
+    SurfaceError
+        If there is no such dataset, or a link to another file on the way.
+    """
     import h5py
 
     here: h5py.Group = file

@@ -2,17 +2,38 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from roughbench.errors import SurfaceError
+from roughbench.heights_file import check_there
+from roughbench.scans import arrays, datasets, instruments, tables
+from roughbench.scans.image import Image
+from roughbench.scans.lengths import in_words
+from roughbench.text import on_one_line
+
 FloatArray = NDArray[np.float64]
+
+_FEWEST = 4
+"""Points per side: fewer carry no wave but the one that alternates from point to point."""
+_AGREEMENT = 1e-6
+"""Largest relative difference between what the file says and what is given beside it."""
+_ASPECT_AGREEMENT = 1e-2
+"""The same for the shape of pixels, which coordinates of few digits give less exactly."""
+
+_HDF5 = frozenset({".h5", ".hdf5", ".hdf", ".he5", ".nc", ".nc4"})
 
 
 @dataclass(frozen=True, slots=True)
 class Scan:
     """Heights as a file holds them, in SI units.
+
+    Rows run along y and columns along x, as the image shows it: the first row is its top
+    one, the first column its left one. In lists of points the first row has the smallest y.
 
     Parameters
     ----------
@@ -55,3 +76,192 @@ class Scan:
     def spacing(self) -> tuple[float, float]:
         """Distance between neighbouring points along (y, x), in m."""
         return self.size[0] / self.shape[0], self.size[1] / self.shape[1]
+
+
+def read_scan(
+    path: str | Path,
+    folder: str | Path = ".",
+    *,
+    channel: str | None = None,
+    size: tuple[float, float] | None = None,
+    unit: float | None = None,
+) -> Scan:
+    """Read a topography of any kind of file, in SI units.
+
+    Built in are ``.npy``, ``.npz``, HDF5 (``file.h5`` or ``file.h5:/dataset``), matrices
+    and lists of points as text (``.txt``, ``.csv``, ``.xyz`` …). The formats of instruments
+    are read by SurfaceTopography.
+
+    Parameters
+    ----------
+    path : str or Path
+    folder : str or Path
+        Where a relative path starts from.
+    channel : str, optional
+        Which image of the file; otherwise the first that holds heights.
+    size : (float, float), optional
+        Of the image along (y, x), in m: where the file does not say it.
+    unit : float, optional
+        Metres per unit of the heights: where the file does not say it.
+
+    Returns
+    -------
+    Scan
+        With nan for points that are missing or not finite.
+
+    Raises
+    ------
+    SurfaceError
+        In one line, with the name of the file, whatever is wrong with it: not there, not
+        readable, damaged, too large for the memory; without size or unit, where none is
+        given; with another size or unit than given.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = tempfile.mkdtemp()
+    >>> heights = np.arange(20.0).reshape(4, 5)
+    >>> np.save(f"{folder}/scan.npy", heights)
+    >>> scan = read_scan("scan.npy", folder, size=(0.5, 1.25), unit=1e-9)
+    >>> scan.spacing, round(float(scan.heights[3, 4]), 12)
+    ((0.125, 0.25), 1.9e-08)
+    >>> read_scan("scan.npy", folder)
+    Traceback (most recent call last):
+        ...
+    roughbench.errors.SurfaceError: scan.npy: the file does not say the size of the image and
+    the unit of the heights; give them: size: [10 um, 10 um] (x, y) and unit: nm
+    """
+    name = on_one_line(str(path))
+    image = _read(str(path), Path(folder), name, channel)
+    image_size = _settled_size(image, size, unit, name)
+    factor = _settled_unit(image, unit, name)
+    values, notes = image.values, list(image.notes)
+    if min(values.shape) < _FEWEST:
+        raise SurfaceError(
+            f"{name}: a surface needs at least {_FEWEST} points per side, got "
+            f"{values.shape[0]} rows and {values.shape[1]} columns"
+        )
+    heights = values if values.flags.writeable else values.copy()
+    with np.errstate(over="ignore"):
+        heights *= factor
+    infinite = np.isinf(heights)
+    n_infinite = int(np.count_nonzero(infinite))
+    if n_infinite:
+        heights[infinite] = np.nan
+        notes.append(f"{n_infinite} infinite heights were taken as missing")
+    if np.isnan(heights).all():
+        raise SurfaceError(f"{name}: all {heights.size} points are missing; nothing to read")
+    return Scan(heights, image_size, str(path), image.channel, tuple(notes))
+
+
+def _read(path: str, folder: Path, name: str, channel: str | None) -> Image:
+    """Hand the file to the reader of its kind."""
+    file_name, colon, dataset = path.rpartition(":/")
+    if colon:
+        if channel is not None:
+            raise SurfaceError(
+                f"{name}: the dataset is named twice, by :/{on_one_line(dataset)} and by "
+                f"channel: {on_one_line(channel)}; leave one of them out"
+            )
+        return datasets.read_hdf5(folder / file_name, "/" + dataset, name)
+    place = folder / path
+    check_there(place, name)
+    suffix = place.suffix.lower()
+    head = _head(place, name)
+    if suffix == ".npy":
+        return arrays.read_npy_image(place, name, channel)
+    if suffix == ".npz":
+        return arrays.read_npz(place, name, channel)
+    if suffix in _HDF5 and not (suffix.startswith(".nc") and head.startswith(b"CDF")):
+        return datasets.read_hdf5(place, None, name, channel)
+    if tables.is_table(suffix, head):
+        return tables.read_table(place, name, channel)
+    return instruments.read_instrument(place, name, channel)
+
+
+def _head(path: Path, name: str) -> bytes:
+    try:
+        with path.open("rb") as file:
+            head = file.read(tables.HEAD)
+    except OSError as error:
+        raise SurfaceError(f"{name}: cannot be read: {error.strerror or error}") from error
+    if not head:
+        raise SurfaceError(f"{name}: the file is empty")
+    return head
+
+
+def _settled_size(
+    image: Image, given: tuple[float, float] | None, unit: float | None, name: str
+) -> tuple[float, float]:
+    """Return the size along (y, x), in m, from the file or as given."""
+    for size, who in ((image.size, "the file says"), (given, "size: says")):
+        if size is not None and not all(0.0 < side < math.inf for side in size):
+            raise SurfaceError(
+                f"{name}: {who} {_both(size)}, which is no size of an image; it must be "
+                "positive"
+            )
+    if image.size is None:
+        if given is None:
+            raise SurfaceError(_missing_keys(image, unit, name))
+        _check_aspect(image, given, name)
+        return given
+    if given is not None and _differ(image.size, given):
+        raise SurfaceError(
+            f"{name}: the file says that the image is {_both(image.size)} large (x, y), size: "
+            f"says {_both(given)}; leave size: out, or correct the file"
+        )
+    return image.size
+
+
+def _settled_unit(image: Image, given: float | None, name: str) -> float:
+    """Return metres per unit of the heights, from the file or as given."""
+    if given is not None and not 0.0 < given < math.inf:
+        raise SurfaceError(f"{name}: unit: must be a positive length, got {given:g} m")
+    if image.unit is None:
+        if given is None:
+            raise SurfaceError(_missing_keys(image, given, name, size_is_known=True))
+        return given
+    if given is not None and _differ((image.unit,), (given,)):
+        raise SurfaceError(
+            f"{name}: the file says that one unit of the heights is {in_words(image.unit)}, "
+            f"unit: says {in_words(given)}; leave unit: out, or correct the file"
+        )
+    return image.unit
+
+
+def _missing_keys(
+    image: Image, unit: float | None, name: str, *, size_is_known: bool = False
+) -> str:
+    parts, keys = [], []
+    if not size_is_known:
+        parts.append("the size of the image")
+        keys.append("size: [10 um, 10 um] (x, y)")
+    if image.unit is None and unit is None:
+        parts.append("the unit of the heights")
+        keys.append("unit: nm")
+    it = "them" if len(keys) > 1 else "it"
+    return (
+        f"{name}: the file does not say {' and '.join(parts)}; give {it}: {' and '.join(keys)}"
+    )
+
+
+def _check_aspect(image: Image, size: tuple[float, float], name: str) -> None:
+    """Refuse a size that does not fit to the coordinates of the points."""
+    if image.aspect is None:
+        return
+    rows, columns = image.values.shape
+    aspect = (size[0] / rows) / (size[1] / columns)
+    if abs(aspect / image.aspect - 1.0) > _ASPECT_AGREEMENT:
+        raise SurfaceError(
+            f"{name}: its coordinates have pixels {image.aspect:.6g} times as high as wide, "
+            f"with size: {_both(size)} they would be {aspect:.6g} times as high; correct size:"
+        )
+
+
+def _differ(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
+    return any(abs(a / b - 1.0) > _AGREEMENT for a, b in zip(one, other, strict=True))
+
+
+def _both(size: tuple[float, float]) -> str:
+    """Say a size as specs do, x first."""
+    return f"[{in_words(size[1])}, {in_words(size[0])}]"
