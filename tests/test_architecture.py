@@ -19,6 +19,7 @@ LAYERS = (
     "errors",
     "public",
     "notation",
+    "numbers",
     "units",
     "registry",
     "quantities",

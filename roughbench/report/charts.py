@@ -86,7 +86,7 @@ class ReportChart:
 
     Title and axes have formulas in plain text, and the label stands in place of the picture.
     Axes are logarithmic at first or not, x before y; the models in ``not_given`` have no such
-    curve.
+    curve. A legend stands at the ``top`` or the ``bottom`` of charts without switches.
     """
 
     key: str
@@ -98,6 +98,7 @@ class ReportChart:
     ranges: Ranges
     is_log: tuple[bool, bool] = (True, True)
     not_given: Sequence[str] = ()
+    legend: str = ""
 
     @property
     def data(self) -> dict[str, Any]:
@@ -107,7 +108,8 @@ class ReportChart:
             for title, log in zip((self.x_axis, self.y_axis), self.is_log, strict=True)
         )
         curves = [series.data() for series in self.series]
-        return {"curves": curves, "x": x, "y": y, "ranges": self.ranges}
+        data = {"curves": curves, "x": x, "y": y, "ranges": self.ranges}
+        return data | ({"legend": self.legend} if self.legend else {})
 
 
 def _numbers(values: FloatArray, digits: int) -> list[float | None]:

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roughbench.figures.curves import DrawnCurve, curve_of
+from roughbench.numbers import number, with_error
 from roughbench.quantities import Quantity, compared
 from roughbench.report.charts import ChartSeries, Ranges, ReportChart
-from roughbench.report.numbers import number, with_error
 from roughbench.report.sources import ReportSource
 from roughbench.report.styles import DrawnModel, PageStyle, drawn_models
 from roughbench.report.text import from_notation, plain, plotly_text

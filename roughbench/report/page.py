@@ -10,18 +10,21 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from roughbench import __version__
+from roughbench.numbers import measured, number
 from roughbench.report.curves import pressure_charts
-from roughbench.report.maps import COLOURS, MOST_MAPS, MOST_POINTS, field_maps, n_fields
-from roughbench.report.numbers import measured, number
+from roughbench.report.maps import COLOURS, MOST_MAPS, field_maps, n_fields
 from roughbench.report.observables import drawn_pressures, observable_charts, pressure_key
+from roughbench.report.pictures import MOST_POINTS
 from roughbench.report.sources import ReportSource, places
 from roughbench.report.styles import PageStyle, experiment_dashes, page_styles
+from roughbench.report.surfaces import HEIGHT_COLOURS, surface_sections, synthetic_table
 from roughbench.report.tables import compared, fit_tables, model_table
 from roughbench.report.text import from_notation, from_remedy, plain, without_folders
+from roughbench.report.trust import trust_tables
 from roughbench.report.verdicts import by_outcome, numbered
 from roughbench.report.warnings import ABOUT, Remark, remarks
 from roughbench.store import FORMAT_VERSION
-from roughbench.verdict import FittedExperiment, Verdict
+from roughbench.verdict import FittedExperiment, Verdict, trust_of
 
 MOST_REMARKS = 12
 """Remarks on one topic that are shown at once; longer lists unfold."""
@@ -67,6 +70,7 @@ def render(
             n_claims=len(verdicts),
             verdicts=by_outcome(verdicts),
             contenders=numbered(contenders, len(verdicts) + 1),
+            trusts=list(trust_tables(sources, trust_of(experiments))),
             places=places(sources),
             files=[
                 _file(f"file-{place}", source, styles) for place, source in enumerate(sources)
@@ -74,6 +78,7 @@ def render(
             fits=list(fit_tables(sources, experiments)),
             remarks=_by_topic(remarks(sources)),
             colours=COLOURS,
+            height_colours=HEIGHT_COLOURS,
             most_points=MOST_POINTS,
             most_remarks=MOST_REMARKS,
             asset=_asset,
@@ -125,6 +130,8 @@ def _file(key: str, source: ReportSource, styles: dict[str, PageStyle]) -> dict[
             (name, source.experiment(name), dash, place == 0 or not many)
             for place, (name, dash) in enumerate(dashes.items())
         ],
+        "surfaces": surface_sections(source),
+        "synthetic": synthetic_table(source),
         "pressures": drawn_pressures(source),
         "charts": pressure_charts(source, styles),
         "observables": list(observable_charts(source, styles)),

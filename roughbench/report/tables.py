@@ -9,7 +9,7 @@ from pathlib import PurePosixPath
 
 from roughbench.fits import Estimate
 from roughbench.fits.tables import Table, departure_tables, law_tables
-from roughbench.report.numbers import measured, number, series
+from roughbench.numbers import measured, number, series
 from roughbench.report.sources import ReportSource
 from roughbench.report.text import RichText, Span, from_heading, joined, without_folders
 from roughbench.results import ModelResult

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from roughbench.models import BUILT_IN
-from roughbench.report.numbers import number
+from roughbench.numbers import number
 
 
 class Span(NamedTuple):

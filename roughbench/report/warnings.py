@@ -13,9 +13,9 @@ from roughbench.errors import SpecError
 from roughbench.models.base import Status
 from roughbench.models.registry import declared
 from roughbench.notation import typeset
+from roughbench.numbers import number
 from roughbench.quantities import compared
 from roughbench.report.curves import has_quantity
-from roughbench.report.numbers import number
 from roughbench.report.sources import ReportSource
 from roughbench.results import ModelResult
 from roughbench.spec import parse_spec

@@ -18,6 +18,7 @@ from roughbench.fits import Deviations, Estimate
 from roughbench.fits.comparisons import NEARLY_CLOSED, Comparison
 from roughbench.models.registry import declared, is_reference
 from roughbench.notation import typeset
+from roughbench.numbers import number, with_error
 from roughbench.quantities import Quantity, compared
 from roughbench.results import ModelResult
 from roughbench.verdict.experiments import FittedExperiment
@@ -77,7 +78,7 @@ class Deviation:
     @property
     def place(self) -> str:
         """Where it is."""
-        return pressure_text(self.pressure)
+        return _pressure_text(self.pressure)
 
 
 @dataclass(frozen=True, slots=True)
@@ -216,7 +217,7 @@ def choose_pressures(pressure: FloatArray) -> list[int]:
 
     Examples
     --------
-    >>> choose_pressures(np.array([1e-5, 3e-5, 8e-5, 2e-4, 1.1e-3, 4e-3]))
+    >>> choose_pressures(np.array([1e-5, 3e-5, 8e-5, 2e-4, 1.1e-3, 2e-3]))
     [0, 2, 4]
     """
     if pressure.size <= FEW_PRESSURES:
@@ -258,25 +259,25 @@ def _surfaces(result: ModelResult) -> str:
 
 def sample_noun(result: ModelResult) -> str:
     """Return what a model works on: ``line`` or ``surface``."""
-    model = declared(result.kind)
-    of_line = model is not None and model.needs == "line"
-    return "line" if of_line or result.attributes.get("dimension") == 1 else "surface"
+    needs: object = getattr(declared(result.kind), "needs", "")
+    dimension = result.attributes.get("dimension", 1 if needs == "line" else 2)
+    return "line" if dimension == 1 else "surface"
 
 
-def pressure_text(pressure: float) -> str:
-    """Return a pressure as verdicts write it."""
-    return f"{pressure:.2g} E*"
+def _pressure_text(pressure: float, error: float = math.nan) -> str:
+    """Return a pressure with its error."""
+    text = with_error(pressure, error, 2, of_error=1)
+    return f"({text}) E*" if " ± " in text and not text.startswith("(") else f"{text} E*"
 
 
 def _end_text(end: Estimate) -> str:
     """Return an end of a range with its error, or with its interval where that is wide."""
-    text = pressure_text(end.value)
     if math.isnan(end.error) or end.is_bound:
-        return text
+        return _pressure_text(end.value)
     if end.error > LARGE_ERROR * end.value:
-        low = f"{end.low:.1g} " if end.low > 0.0 else "up "
-        return f"{text} (68 %: {low}to {end.high:.1g})"
-    return f"({end.value:.2g} ± {end.error:.1g}) E*"
+        low = f"{number(end.low, 2)} " if end.low > 0.0 else "up "
+        return f"{_pressure_text(end.value)} (68 %: {low}to {number(end.high, 2)})"
+    return _pressure_text(end.value, end.error)
 
 
 def _rounded(value: float, error: float) -> str:

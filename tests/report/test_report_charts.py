@@ -14,11 +14,12 @@ from matplotlib.image import imread
 from roughbench.figures.curves import curve_of
 from roughbench.report.charts import ReportChart
 from roughbench.report.curves import charted, pressure_charts
-from roughbench.report.maps import MOST_MAPS, MOST_POINTS, field_maps
+from roughbench.report.maps import MOST_MAPS, field_maps
 from roughbench.report.observables import (
     drawn_pressures,
     observable_charts,
 )
+from roughbench.report.pictures import MOST_POINTS
 from roughbench.report.sources import ReportSource
 from roughbench.report.styles import experiment_dashes, page_styles
 from roughbench.report.text import plotly_text

@@ -12,8 +12,8 @@ import roughbench.report
 from roughbench import fits
 from roughbench.errors import StoreError
 from roughbench.fits.laws import fit_laws
+from roughbench.numbers import number, with_error
 from roughbench.report import make_report, read_sources
-from roughbench.report.numbers import number, with_error
 from roughbench.report.sources import names_of, places
 from roughbench.report.text import plotly_text
 from roughbench.results import ModelResult, Results
@@ -53,7 +53,7 @@ def test_every_verdict_of_the_results_has_a_row(page: Page, small: Results) -> N
     tested = [v for v in claims if v not in untested]
     assert tested
     assert untested
-    assert rows == [f"claim-{verdict.key}" for verdict in (*tested, *untested, *contenders)]
+    assert rows == [f"claim-{verdict.key}" for verdict in (*contenders, *tested, *untested)]
     links = {given.get("href") for tag, given in page.elements if tag == "a"}
     assert {f"#claim-{verdict.key}" for verdict in claims} <= links
 
@@ -148,11 +148,19 @@ def test_a_reference_is_used_where_it_is_named(results_file: Path) -> None:
     assert "--reference persson" in page.text
 
 
-def test_figures_stand_before_verdicts(page: Page) -> None:
+def test_figures_and_trust_stand_before_the_claims(page: Page) -> None:
     sections = [
         given["id"] for tag, given in page.elements if tag == "section" and "id" in given
     ]
-    assert sections == ["summary", "figures", "verdicts", "fits", "warnings", "provenance"]
+    assert sections == [
+        "surface",
+        "figures",
+        "trust",
+        "warnings",
+        "fits",
+        "provenance",
+        "verdicts",
+    ]
 
 
 def test_what_cannot_be_tested_is_one_line() -> None:

@@ -96,14 +96,14 @@ def test_no_module_makes_html() -> None:
     assert found == {"__init__.py": {"<meta "}, "curves.py": {"<br>"}, "text.py": {"</"}}
 
 
-def test_models_have_verdicts_of_their_own_after_the_claims() -> None:
+def test_models_have_verdicts_of_their_own_before_the_claims() -> None:
     claims = [a_verdict(1), a_verdict(2, outcome=Outcome.NOT_TESTED)]
     text = render([], claims, [], resamples=10, contenders=[a_verdict(3)])
     rows = re.findall(r'<tr id="claim-claim-(\d)"><th scope="row">(\d)</th>', text)
-    assert rows == [("1", "1"), ("2", "2"), ("3", "3")]
-    assert "Every contender against the exact solution" in text
-    assert "against the 2 claims" in text
-    assert "Every contender against" not in render([], claims, [], resamples=10)
+    assert rows == [("3", "3"), ("1", "1"), ("2", "2")]
+    assert "Every contender by one rule" in text
+    assert "made\n2 claims" in text
+    assert "Every contender by" not in render([], claims, [], resamples=10)
 
 
 def test_a_quantity_that_a_model_has_not_is_not_given(small: Results) -> None:
@@ -126,7 +126,8 @@ def test_a_quantity_that_a_model_has_not_is_not_given(small: Results) -> None:
         results = Results(experiments, small.spec_text, small.spec_sha256, small.name)
         return render([ReportSource("r.h5", results)], [], [], resamples=10)
 
-    assert "ot given" not in page()
+    assert "Not given" not in page()
+    assert "Quantities not given" not in page()
     some = Page(page("foundation"))
     assert some.tags.count("figure") == 5
     assert some.text.count("Not given by Popov (1D foundation).") == 3

@@ -10,7 +10,7 @@ import pytest
 
 import roughbench as rb
 from roughbench.figures.rebuild import spec_fault
-from roughbench.report.numbers import number
+from roughbench.numbers import number
 from roughbench.report.sources import ReportSource
 from roughbench.report.warnings import ABOUT, Remark, at_pressures, remarks
 from roughbench.results import Results

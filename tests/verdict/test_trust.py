@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from roughbench.numbers import number
 from roughbench.results import ModelResult, Results
 from roughbench.verdict import ContenderTrust, Trust, fit_experiments, trust_of
 from roughbench.verdict.trust import choose_pressures
@@ -41,9 +42,9 @@ def test_the_range_is_that_of_the_fits_and_has_its_error() -> None:
     assert area.found.start.value == pytest.approx(low, rel=1e-9)
     assert area.found.end.value == pytest.approx(high, rel=1e-9)
     assert area.range_text.startswith(
-        f"within 10 % of the exact contact area from ({low:.2g} ± "
+        f"within 10 % of the exact contact area from ({low * 1e6:.1f} ± "
     )
-    assert f" to ({high:.2g} ± " in area.range_text
+    assert f")·10⁻⁶ E* to ({high * 1e5:.1f} ± " in area.range_text
 
 
 def test_a_deviation_is_that_of_the_means_with_an_error_of_the_scatter() -> None:
@@ -57,7 +58,7 @@ def test_a_deviation_is_that_of_the_means_with_an_error_of_the_scatter() -> None
         assert one.text.startswith("−32.0 ± 0.")
     assert area.range_text == "nowhere within 10 % of the exact contact area"
     first = area.deviations[0]
-    assert f"; at p = {first.pressure:.2g} E* {first.text}, at p = " in area.sentence
+    assert f"; at p = 10⁻¹⁰ E* {first.text}, at p = 10⁻⁹ E* " in area.sentence
 
 
 def test_a_scatter_of_both_is_none_of_their_ratio() -> None:
@@ -77,7 +78,7 @@ def test_a_deviation_in_words(factor: float, text: str) -> None:
 def test_a_model_that_agrees_everywhere_says_which_pressures_that_is() -> None:
     [found] = trusted(make(exact_curves()), contender(np.zeros(2), separation=1.01))
     assert by_name(found)["separation"].range_text == (
-        "within 10 % of the exact mean separation from 1e-10 E* to 0.1 E*, "
+        "within 10 % of the exact mean separation from 10⁻¹⁰ E* to 0.1 E*, "
         "the lowest pressure to the highest"
     )
     values = exact_curves()
@@ -85,7 +86,7 @@ def test_a_model_that_agrees_everywhere_says_which_pressures_that_is() -> None:
     [found] = trusted(make(values), make(values, "erf09"))
     last = P[values["area"][0] <= 0.9][-1]
     assert by_name(found)["area"].range_text.endswith(
-        f"to {last:.2g} E*, the lowest pressure to the highest with A/A₀ ≤ 0.9"
+        f"to {number(last, 2)} E*, the lowest pressure to the highest with A/A₀ ≤ 0.9"
     )
 
 

@@ -25,7 +25,11 @@
       font: { family: font, size: 12, color: ink },
       margin: { l: 8, r: 12, t: 10, b: 8 },
       paper_bgcolor: "white", plot_bgcolor: "white",
-      showlegend: false, hovermode: "closest", dragmode: "zoom",
+      showlegend: Boolean(chart.legend), hovermode: "closest", dragmode: "zoom",
+      legend: {
+        x: 0.03, xanchor: "left", y: chart.legend === "top" ? 0.97 : 0.03,
+        yanchor: chart.legend === "top" ? "top" : "bottom", bgcolor: "rgba(255,255,255,0.8)",
+      },
       hoverlabel: { bgcolor: "white", font: { color: ink, size: 12 } },
       xaxis: { ...axis, title: { text: chart.x.title }, type: chart.x.type, nticks: 6 },
       yaxis: { ...axis, title: { text: chart.y.title }, type: chart.y.type, nticks: 8 },
@@ -76,8 +80,10 @@
 
   // -- what is shown ----------------------------------------------------------------------
 
-  // What is on in a file's switches: the values of its ticked boxes, and of its selects.
+  // What is on in a file's switches: the values of its ticked boxes, and of its selects. Charts
+  // outside of files have none, and show all.
   function chosen(section) {
+    if (!section) return null;
     const on = (name) => new Set(
       all(`input[name=${name}]`, section).filter((box) => box.checked).map((box) => box.value));
     const select = section.querySelector("select[name=pressure]");
@@ -85,7 +91,7 @@
   }
 
   function isOn(meta, on) {
-    return on.model.has(meta.model) && on.experiment.has(meta.experiment)
+    return on === null || on.model.has(meta.model) && on.experiment.has(meta.experiment)
       && (meta.pressure === undefined || meta.pressure === on.pressure);
   }
 

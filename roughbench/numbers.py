@@ -34,8 +34,8 @@ def number(value: float, digits: int = 3) -> str:
     return f"{sign}{times}{_power(int(exponent))}".replace("-", "−")
 
 
-def with_error(value: float, error: float, digits: int = 3) -> str:
-    """Return value ± error, both to the second digit of the error.
+def with_error(value: float, error: float, digits: int = 3, *, of_error: int = 2) -> str:
+    """Return value ± error, both to the last digit of the error that is shown.
 
     Parameters
     ----------
@@ -43,6 +43,8 @@ def with_error(value: float, error: float, digits: int = 3) -> str:
         nan: there is none.
     digits : int
         Significant digits of a value without an error.
+    of_error : int
+        Significant digits of the error.
 
     Examples
     --------
@@ -54,7 +56,7 @@ def with_error(value: float, error: float, digits: int = 3) -> str:
     power = math.floor(math.log10(max(abs(value), error)))
     if -4 < power < 4:
         power = 0
-    places = max(0, 1 - math.floor(math.log10(error)) + power)
+    places = max(0, of_error - 1 - math.floor(math.log10(error)) + power)
     if places > 12:  # an error of rounding only
         return number(value, digits)
     scale = 10.0**power
