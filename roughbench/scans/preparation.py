@@ -39,7 +39,8 @@ from roughbench.scans.outliers import find_outliers
 from roughbench.scans.resampling import resample, square_grid
 from roughbench.scans.rms import rms_height_and_gradient
 from roughbench.scans.topography import Scan
-from roughbench.scans.words import length_in_words, per_cent
+from roughbench.scans.words import per_cent
+from roughbench.units import in_words
 
 FloatArray = NDArray[np.float64]
 
@@ -228,7 +229,7 @@ class _Bench:
         self.record(
             "outliers",
             f"{_count(count, 'point')} ({per_cent(count / found.size)}) further than {limit:g} "
-            f"robust deviations ({length_in_words(deviation)} each) from the median of their "
+            f"robust deviations ({in_words(deviation, 'm')} each) from the median of their "
             "neighbours taken out",
         )
 
@@ -278,8 +279,8 @@ class _Bench:
         text = f"from {_points(before)} to {rows} × {columns}"
         if abs(dy / dx - 1.0) >= _ROUNDING:
             text += (
-                f", of pixels of {length_in_words(dy)} along y and {length_in_words(dx)} along "
-                f"x, now square: {length_in_words(self.size[0] / rows)}"
+                f", of pixels of {in_words(dy, 'm')} along y and {in_words(dx, 'm')} along "
+                f"x, now square: {in_words(self.size[0] / rows, 'm')}"
             )
         if abs(stretch) >= _ROUNDING:
             text += f"; x stretched by {100 * stretch:+.2g} % for a whole number of them"
@@ -302,8 +303,8 @@ class _Bench:
             self.size = dy * after[0], dx * after[1]
             text = (
                 f"tapered: the last {before[0] - after[0]} rows and {before[1] - after[1]} "
-                f"columns faded into the first, Sq {length_in_words(self.steps[-1].Sq)} → "
-                f"{length_in_words(float(self.heights.std()))}"
+                f"columns faded into the first, Sq {in_words(self.steps[-1].Sq, 'm')} → "
+                f"{in_words(float(self.heights.std()), 'm')}"
             )
         elif edges == "crop":
             jumps = self._jumps()
@@ -320,15 +321,15 @@ class _Bench:
         self.record("edges", text, periodic=True)
 
     def _jumps(self) -> str:
-        jumps = (length_in_words(border_jump(self.heights, axis)[0]) for axis in (0, 1))
+        jumps = (in_words(border_jump(self.heights, axis)[0], "m") for axis in (0, 1))
         return "{} along y and {} along x".format(*jumps)
 
     def _largest(self, holes: Holes) -> str:
         (row, column), (dy, dx) = holes.place, self.spacing
         return (
             f"the largest, {_count(holes.largest, 'point')}, lies about row {row:.0f}, column "
-            f"{column:.0f} (y = {length_in_words(row * dy)}, "
-            f"x = {length_in_words(column * dx)})"
+            f"{column:.0f} (y = {in_words(row * dy, 'm')}, "
+            f"x = {in_words(column * dx, 'm')})"
         )
 
     def _too_much_missing(
@@ -366,19 +367,19 @@ def _name(scan: Scan) -> str:
 
 def _as_read(scan: Scan) -> str:
     dy, dx = scan.spacing
-    text = f"{_points(scan.shape)}, " + " × ".join(length_in_words(s) for s in scan.size)
+    text = f"{_points(scan.shape)}, " + " × ".join(in_words(s, "m") for s in scan.size)
     if abs(dy / dx - 1.0) >= _ROUNDING:
-        text += f", pixels of {length_in_words(dy)} × {length_in_words(dx)}"
+        text += f", pixels of {in_words(dy, 'm')} × {in_words(dx, 'm')}"
     return text + (f", {per_cent(scan.missing)} missing" if scan.missing else "")
 
 
 def _trend_in_words(trend: Trend, kind: Detrend) -> str:
     if kind == "mean":
-        return f"mean of {length_in_words(float(trend.coefficients[0, 0]))} subtracted"
+        return f"mean of {in_words(float(trend.coefficients[0, 0]), 'm')} subtracted"
     y, x = (f"{1e3 * slope:.3g} nm/µm" for slope in trend.tilt)
     text = f"{kind} subtracted: a slope of {y} along y and {x} along x"
     if kind == "quadratic":
-        y, x = (length_in_words(sag) for sag in trend.sag)
+        y, x = (in_words(sag, "m") for sag in trend.sag)
         text += f", the borders {y} and {x} above the middle by the curvature"
     return text
 
