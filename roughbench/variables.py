@@ -7,7 +7,7 @@ what every file has.
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -128,11 +128,59 @@ def dimensions(name: str, n_axes: int | None = None) -> Axes:
     if is_known(name):
         axes, _ = _known()[name]
         return ("field", "x") if axes == _AT_POINTS and n_axes == 2 else axes
+    if n_axes == 1 and name.endswith("_drawn_unit"):
+        return (f"{name.removesuffix('_drawn_unit')}_bin",)
     if n_axes == 1:
         return (name,) if name.endswith(("_bin", "_edges")) else ("pressure",)
     if n_axes == 2 and name.endswith(("_mean", "_sem", "_persson")):
         return ("pressure", f"{name.rpartition('_')[0]}_bin")
     return (*STATES, f"{name}_bin") if n_axes == 3 else STATES
+
+
+def bins_of(observables: Iterable[Observable]) -> set[str]:
+    """Return the variables that say where the values of observables stand: one for all states.
+
+    Examples
+    --------
+    >>> sorted(bins_of([OBSERVABLES["gap_pdf"]]))
+    ['gap_pdf_bin', 'gap_pdf_edges']
+    """
+    return {f"{one.variable}_{end}" for one in observables for end in ("bin", "edges")}
+
+
+def check_variables(observables: Iterable[Observable]) -> None:
+    """Refuse observables of files whose variables are others' too.
+
+    Raises
+    ------
+    RoughbenchError
+        That names one.
+    """
+    taken = dict.fromkeys(_known(), "roughbench")
+    for observable in observables:
+        if OBSERVABLES.get(observable.name) is observable:
+            continue
+        names = [name for name, _, _ in _of_observable(observable)]
+        for name in names:
+            if name in taken or names.count(name) > 1:
+                raise RoughbenchError(
+                    f"the observable {observable.name} would have a variable {name!r}, which "
+                    f"is there already, of {taken.get(name, observable.name)}; rename it, its "
+                    "variable or its scalars"
+                )
+        taken |= dict.fromkeys(names, observable.name)
+
+
+def describe_observable(observable: Observable, dimension: int) -> dict[str, tuple[str, str]]:
+    """Return unit and description of every variable of an observable, by name."""
+    found = {
+        name: (variable.units(dimension), variable.long_name)
+        for name, _, variable in _of_observable(observable)
+    }
+    words = "what figures divide the values by"
+    return found | {
+        f"{observable.variable}_drawn_unit": (observable.values.units(dimension), words)
+    }
 
 
 def is_known(name: str) -> bool:

@@ -40,7 +40,7 @@ from roughbench.text import on_one_line
     multiple=True,
     metavar="NAME",
     help="Draw this figure only, as area, separation, stiffness, spectrum, pressure_pdf or "
-    "contact; repeatable.",
+    "contact, or that of a Python file: FILE.py:CLASS; repeatable.",
 )
 @debug_option
 @click.pass_context
@@ -52,12 +52,19 @@ def command(
     All that they have the data for, if no --figure is given. Prints the paths of the files.
     """
     from roughbench import figures
-    from roughbench.store import load
+    from roughbench.source_files import names_file
+    from roughbench.store import load, opened
 
     for name in wanted:
-        if name not in figures.FIGURES:
+        if names_file(name) or name in figures.FIGURES:
+            continue
+        known = list(figures.FIGURES)
+        for path in results:
+            with opened(path) as content:
+                known += [own for own in figures.recipes_of(content) if own not in known]
+        if name not in known:
             raise click.BadParameter(
-                f"there is no figure {name!r}; choose among {', '.join(figures.FIGURES)}",
+                f"there is no figure {name!r}; choose among {', '.join(known)}",
                 param_hint="--figure",
             )
     folders = [folder]

@@ -14,6 +14,7 @@ import numpy as np
 
 from roughbench.notation import plain
 from roughbench.observables import OBSERVABLES
+from roughbench.observables.described import PREFIX, described
 from roughbench.outputs import Kind
 from roughbench.quantities import PRESSURE, Quantity, compared
 from roughbench.results import Array, Attribute, ModelResult, Results
@@ -66,7 +67,18 @@ def _surface_lines(result: ModelResult) -> Iterator[str]:
 def _model_lines(result: ModelResult) -> Iterator[str]:
     many = "s" * (result.n_realizations > 1)
     yield f"{result.label}: {result.title}, {result.n_realizations} realization{many}"
-    yield from _listed({k: v for k, v in result.attributes.items() if k not in _NOT_OPTIONS})
+    own = described(result.attributes)
+    left_out = {f"{PREFIX}{one.name}" for one in own}.union(*(one.attributes for one in own))
+    left_out |= _NOT_OPTIONS
+    yield from _listed({k: v for k, v in result.attributes.items() if k not in left_out})
+    if own:
+        names = ", ".join(f"{one.name} ({one.source})" for one in own)
+        yield from textwrap.wrap(
+            f"observables from outside: {names}",
+            88,
+            initial_indent="  ",
+            subsequent_indent="  ",
+        )
     shown = [
         one for one in compared().values() if one.is_expected or f"{one.name}_mean" in result
     ]
@@ -197,8 +209,9 @@ def observables_csv(result: ModelResult) -> dict[str, str]:
     Persson's theory where it says something.
     """
     texts = {}
-    for observable in OBSERVABLES.values():
-        name = observable.variable
+    known = [one.variable for one in OBSERVABLES.values()]
+    own = [one.variable for one in described(result.attributes)]
+    for name in dict.fromkeys([*known, *own]):
         if name in result:
             places = result[f"{name}_bin"]
             columns = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from itertools import chain
@@ -28,7 +28,7 @@ from roughbench.results import Array
 from roughbench.rundir.checkpoint import Checkpoint
 from roughbench.rundir.collected import of_other_variables
 from roughbench.signals import signals_held_back
-from roughbench.variables import FIELD_VARIABLES, dimensions
+from roughbench.variables import FIELD_VARIABLES, bins_of
 
 _FINISHED, _DIAGNOSTICS = "finished.", "diagnostics."
 _OBSERVED, _MODEL = "observed.", "model."
@@ -85,7 +85,7 @@ def compute(
                 raise SolverError(f"{task.only(realization)}: {error}") from error
             rows.append(row)
             kept += [(realization, task.pressures[k], fields[k]) for k in sorted(fields)]
-    return _stacked(rows) | _stacked_fields(kept)
+    return _stacked(rows, bins_of(task.cell.asked.observables)) | _stacked_fields(kept)
 
 
 @contextlib.contextmanager
@@ -214,11 +214,11 @@ def _part(arrays: Mapping[str, Array], part: str) -> dict[str, Array]:
 # -- rows of the results -------------------------------------------------------------------
 
 
-def _stacked(rows: list[Block]) -> Block:
+def _stacked(rows: list[Block], bins: Collection[str]) -> Block:
     """Return the rows of all realizations in one; the bins are the same for all."""
     block = {}
     for name, values in rows[0].items():
-        if dimensions(name)[0] == name:
+        if name in bins:
             block[name] = values
         else:
             block[name] = np.stack([row[name] for row in rows])

@@ -12,7 +12,6 @@ from roughbench.ensemble import means_and_errors
 from roughbench.errors import SolverError
 from roughbench.models.base import Fields, FloatArray, IntArray, Sample, Status
 from roughbench.observables import (
-    OBSERVABLES,
     Field,
     Observable,
     Origin,
@@ -21,11 +20,13 @@ from roughbench.observables import (
     Units,
     of_fields,
 )
+from roughbench.observables.described import PREFIX, description, is_outside
 from roughbench.planning.plan import Cell, Task
 from roughbench.planning.samples import rms_of
 from roughbench.results import Array, Attribute
+from roughbench.source_files import blamed
 from roughbench.spec import SelfAffineSurface
-from roughbench.variables import dimensions
+from roughbench.variables import bins_of, describe_observable
 
 _PRESSURE, _GAP = "field_pressure.", "field_gap."
 
@@ -41,7 +42,7 @@ class Observer:
 
     def __init__(self, task: Task, realization: int, sample: Sample) -> None:
         self.fields: dict[int, Fields] = {}
-        self._names = task.cell.asked.observables
+        self._observables = task.cell.asked.observables
         self._kept = {task.pressures.index(p) for p in task.kept(realization)}
         self._n_pressures = len(task.pressures)
         self._sample = sample
@@ -51,24 +52,24 @@ class Observer:
     @property
     def is_idle(self) -> bool:
         """Whether nothing is asked for."""
-        return not self._names and not self._kept
+        return not self._observables and not self._kept
 
     def note(self, k: int, take: Callable[[], Fields]) -> None:
         """Look at the state at pressure ``k`` of the task, if there is something to look at."""
-        if not self._names and k not in self._kept:
+        if not self._observables and k not in self._kept:
             return
         fields = take()
         if k in self._kept:
             self.fields[k] = fields
-        if not self._names:
+        if not self._observables:
             return
         try:
             field = of_fields(fields, self._sample.length, self._units())
         except SolverError as error:  # not finite, of a state that did not converge
             self._refused[k] = error
             return
-        for name in self._names:
-            self._enter(k, OBSERVABLES[name], field)
+        for observable in self._observables:
+            self._enter(k, observable, field)
 
     def _units(self) -> Units:
         if self._sample.spectrum is not None:
@@ -77,7 +78,13 @@ class Observer:
         return Scales(slope, height)
 
     def _enter(self, k: int, observable: Observable, field: Field) -> None:
-        variable, profile = observable.variable, observable(field)
+        try:
+            variable, profile = observable.variable, observable(field)
+        except Exception as error:
+            found = blamed(observable, error, f"the observable {observable.name}")
+            if found is error:
+                raise
+            raise found from error
         self._values.setdefault(f"{variable}_bin", _places(profile))
         self._values.setdefault(f"{variable}_edges", profile.edges)
         self._row(variable, profile.values.shape)[k] = profile.values
@@ -130,10 +137,11 @@ class Observer:
         for k, error in self._refused.items():
             if not lost[k]:
                 raise error
-        if self._names and not self._values and self._sample.heights is not None:
+        if self._observables and not self._values and self._sample.heights is not None:
             self._know_bins(self._sample.heights)
+        shared = bins_of(self._observables)
         for name, values in self._values.items():
-            if dimensions(name)[0] == "realization":
+            if name not in shared:
                 values[lost] = math.nan
         return self._values
 
@@ -141,8 +149,8 @@ class Observer:
         """Enter bins without any state: those of a field without contact."""
         none = Fields(np.zeros(heights.shape), np.ones(heights.shape))
         field: Field = of_fields(none, self._sample.length, self._units())
-        for name in self._names:
-            self._enter(0, OBSERVABLES[name], field)
+        for observable in self._observables:
+            self._enter(0, observable, field)
 
 
 def _places(profile: Profile) -> FloatArray:
@@ -171,7 +179,7 @@ def averages(
     found: dict[str, Array] = {}
     theories: dict[str, Array] = {}
     origin = _origin(cell)
-    for observable in _asked(cell):
+    for observable in cell.asked.observables:
         name = observable.variable
         for variable in (name, *observable.scalar_variables().values()):
             if variable in variables:
@@ -181,6 +189,10 @@ def averages(
             continue
         if (theory := observable.theory(origin, bins)) is not None:
             theories[f"{name}_persson"] = theory
+        if is_outside(observable):  # a figure may be drawn where its code is not
+            unit = observable.drawn_unit(bins, cell.model.dimension)
+            if not np.all(unit == 1.0):
+                theories[f"{name}_drawn_unit"] = unit
     return found | theories
 
 
@@ -189,13 +201,19 @@ def attributes(cell: Cell) -> dict[str, Attribute]:
     if not cell.asked.observables and not cell.asked.kept:
         return {}
     found: dict[str, Attribute] = {"dimension": cell.model.dimension}
-    for observable in _asked(cell):
+    for observable in cell.asked.observables:
         found |= observable.parameters(_origin(cell))
+    outside = [one for one in cell.asked.observables if is_outside(one)]
+    return found | {f"{PREFIX}{one.name}": description(one, found) for one in outside}
+
+
+def described(cell: Cell) -> dict[str, tuple[str, str]]:
+    """Return unit and description of the variables of observables from outside."""
+    found: dict[str, tuple[str, str]] = {}
+    for observable in cell.asked.observables:
+        if is_outside(observable):
+            found |= describe_observable(observable, cell.model.dimension)
     return found
-
-
-def _asked(cell: Cell) -> list[Observable]:
-    return [OBSERVABLES[name] for name in cell.asked.observables]
 
 
 def _origin(cell: Cell) -> Origin:

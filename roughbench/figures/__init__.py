@@ -16,37 +16,37 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TypeVar
 
 from roughbench.errors import StoreError
 from roughbench.figures import contact, fig3, foundation, spectrum, stiffness
 from roughbench.figures.agreement import Agreement, departures
-from roughbench.figures.observed import ObservableFigure
+from roughbench.figures.observed import ObservableFigure, unknown_observables
 from roughbench.figures.quantity import QuantityFigure
+from roughbench.figures.recipe import Recipe, load_figure
 from roughbench.figures.separation import SeparationFigure
 from roughbench.figures.style import check_files, publication_style, save, source_of
 from roughbench.observables import OBSERVABLES
 from roughbench.quantities import compared
 from roughbench.registry import Registry
 from roughbench.results import Results
+from roughbench.source_files import blamed, names_file
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+__all__ = [
+    "FIGURES",
+    "Agreement",
+    "Recipe",
+    "available",
+    "departures",
+    "drawn_of",
+    "recipes_of",
+    "render",
+]
 
-__all__ = ["FIGURES", "Agreement", "Recipe", "available", "departures", "drawn_of", "render"]
 
-
-class Recipe(Protocol):
-    """What the module of a figure offers, or an object like it."""
-
-    def missing(self, results: Results) -> str | None:
-        """Return what the results lack for the figure, or None."""
-
-    def draw(self, results: Results) -> Figure:
-        """Return the figure, of results that lack nothing."""
-
+T = TypeVar("T")
 
 _PAPER: Mapping[str, Recipe] = {
     "foundation": foundation,
@@ -71,12 +71,19 @@ quantities; each observable, and the fields that are kept; those that other pack
 
 def available(results: Results) -> list[str]:
     """Return the names of the figures that these results allow, the paper's in its order."""
-    return [name for name, recipe in FIGURES.items() if recipe.missing(results) is None]
+    recipes = recipes_of(results)
+    return [name for name, recipe in recipes.items() if recipe.missing(results) is None]
+
+
+def recipes_of(results: Results) -> Mapping[str, Recipe]:
+    """Return :data:`FIGURES`, and those of observables that the results alone know."""
+    own = {one.variable: ObservableFigure(one) for one in unknown_observables(results)}
+    return {**FIGURES, **own}
 
 
 def drawn_of(folder: str | os.PathLike[str]) -> set[str]:
     """Return the names of the results files that the figures in a folder say they are of."""
-    found = {source_of(Path(folder) / f"{name}.png") for name in FIGURES}
+    found = {source_of(path) for path in Path(folder).glob("*.png")}
     return found - {""}
 
 
@@ -93,7 +100,8 @@ def render(
     results : Results
         Nothing else is read: neither the results file nor the surfaces.
     name : str
-        One of :data:`FIGURES`.
+        One of :func:`recipes_of`, or the class of a file, as ``tour.py:Proportionality``,
+        which is found from the current folder and run.
     folder : path
         Made if it does not exist.
     source : str
@@ -109,15 +117,33 @@ def render(
     StoreError
         If there is no such figure, the results lack what it shows, or a file cannot be
         written or is somebody else's.
+    ModelError
+        If there is no such file or class, it is no figure, or ends with an error.
     """
-    if name not in FIGURES:
-        raise StoreError(f"there is no figure {name!r}; choose one of {', '.join(FIGURES)}")
-    recipe = FIGURES[name]
-    if lack := recipe.missing(results):
+    if names_file(name):
+        name, recipe = load_figure(name, FIGURES)
+    else:
+        recipes = recipes_of(results)
+        if name not in recipes:
+            raise StoreError(f"there is no figure {name!r}; choose one of {', '.join(recipes)}")
+        recipe = recipes[name]
+    if lack := _asked(recipe.missing, name, results):
         allowed = ", ".join(available(results)) or "none"
         raise StoreError(
             f"figure {name!r} needs {lack}; figures that these results allow: {allowed}"
         )
     check_files(name, Path(folder))
     with publication_style():
-        return save(recipe.draw(results), name, Path(folder), source)
+        return save(_asked(recipe.draw, name, results), name, Path(folder), source)
+
+
+def _asked(function: Callable[[Results], T], name: str, results: Results) -> T:
+    """Return what a recipe answers; an error of one from outside is told with its line."""
+    try:
+        return function(results)
+    except Exception as error:
+        recipe = getattr(function, "__self__", None)  # None of a module
+        found = error if recipe is None else blamed(recipe, error, f"the figure {name}")
+        if found is error:
+            raise
+        raise found from error

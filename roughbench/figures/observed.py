@@ -27,7 +27,8 @@ from roughbench.figures.style import footnote, legend_above, letter, new_figure
 from roughbench.figures.styles import CurveStyle, curve_style, curve_styles
 from roughbench.models.persson import Persson
 from roughbench.notation import mathtext
-from roughbench.observables import Observable
+from roughbench.observables import OBSERVABLES, Observable
+from roughbench.observables.described import described
 from roughbench.results import ModelResult, Results
 
 if TYPE_CHECKING:
@@ -121,7 +122,7 @@ class ObservableFigure:
         theory: list[ObservedLine] = []
         for title, result in models.items():
             x = result[f"{name}_bin"]
-            unit = self.observable.drawn_unit(x, int(result.attributes["dimension"]))
+            unit = drawn_unit(result, self.observable)
             mean, sem = result[f"{name}_mean"][k], result[f"{name}_sem"][k]
             lines.append(ObservedLine(title, x, mean / unit, sem / unit, styles[result.label]))
             if f"{name}_persson" in result and not theory:
@@ -129,6 +130,26 @@ class ObservableFigure:
                 title = self.observable.theory_title(result.attributes)
                 theory.append(ObservedLine(title, x, values, none, THEORY, is_theory=True))
         return lines + theory
+
+
+def unknown_observables(results: Results) -> list[Observable]:
+    """Return the observables that results describe and that are not installed here."""
+    known = {one.variable for one in OBSERVABLES.values()}
+    found: dict[str, Observable] = {}
+    for _, result in results.models():
+        for one in described(result.attributes):
+            if one.variable not in known:
+                found.setdefault(one.variable, one)
+    return list(found.values())
+
+
+def drawn_unit(result: ModelResult, observable: Observable) -> FloatArray:
+    """Return what figures divide the values of an observable by, shape (K,)."""
+    name = observable.variable
+    if f"{name}_drawn_unit" in result:
+        return np.asarray(result[f"{name}_drawn_unit"], float)
+    places = np.asarray(result[f"{name}_bin"], float)
+    return observable.drawn_unit(places, int(result.attributes.get("dimension", 2)))
 
 
 def panels(

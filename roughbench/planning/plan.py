@@ -11,10 +11,11 @@ import numpy as np
 
 from roughbench.errors import SurfaceError
 from roughbench.models.base import FloatArray, Model
-from roughbench.observables import OBSERVABLES
+from roughbench.observables import OBSERVABLES, Observable
 from roughbench.planning.samples import Heights, Surface, check_sample, read_heights
 from roughbench.results import Array
 from roughbench.spec import FileSurface, SelfAffineSurface, Spec
+from roughbench.variables import check_variables
 
 Block = dict[str, Array]
 """What a task computes: variables by name, along the first axis its realizations, fields or
@@ -30,15 +31,15 @@ class Asked:
 
     Attributes
     ----------
-    observables : tuple of str
-        In the order of :data:`roughbench.observables.OBSERVABLES`.
+    observables : tuple of Observable
+        In the order of :data:`roughbench.observables.OBSERVABLES`, then those of files.
     pressures : tuple of float
         p/E* of the states whose fields are kept, ascending.
     realizations : tuple of int
         Those of these states, from 0, ascending.
     """
 
-    observables: tuple[str, ...] = ()
+    observables: tuple[Observable, ...] = ()
     pressures: tuple[float, ...] = ()
     realizations: tuple[int, ...] = ()
 
@@ -289,7 +290,9 @@ def _grid_points(surface: SelfAffineSurface, model: Model) -> int:
 
 
 def _asked(spec: Spec) -> Asked:
-    observables = tuple(name for name in OBSERVABLES if name in (spec.observables or ()))
+    known = [*OBSERVABLES, *(one.name for one in spec.observed if one.name not in OBSERVABLES)]
+    observables = tuple(sorted(spec.observed, key=lambda one: known.index(one.name)))
+    check_variables(observables)
     if spec.save_fields is None:
         return Asked(observables)
     return Asked(observables, spec.kept_pressures, tuple(sorted(spec.save_fields.realizations)))

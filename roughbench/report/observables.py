@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.figures.observed import DECADES
+from roughbench.figures.observed import DECADES, drawn_unit, unknown_observables
 from roughbench.observables import OBSERVABLES, Observable, clusters
 from roughbench.report.charts import ChartSeries, Ranges, ReportChart
 from roughbench.report.sources import ReportSource
@@ -20,18 +20,19 @@ MOST_PRESSURES = 8
 """Pressures at which observables are drawn; of more, some between the ends are left out."""
 
 
-def charted_observables() -> Mapping[str, Observable]:
-    """Return every observable by the name of its variable, patches last."""
+def charted_observables(source: ReportSource) -> Mapping[str, Observable]:
+    """Return every observable by its variable: patches late, what only the file knows last."""
     known = sorted(OBSERVABLES.values(), key=lambda one: one is clusters)
-    return {one.variable: one for one in known}
+    return {one.variable: one for one in [*known, *unknown_observables(source.results)]}
 
 
 def drawn_pressures(source: ReportSource) -> list[float]:
     """Return the pressures p/E* at which the observables of a file are drawn."""
+    charted = charted_observables(source)
     found = {
         float(p)
         for _, result in source.models()
-        if any(f"{name}_bin" in result for name in charted_observables())
+        if any(f"{name}_bin" in result for name in charted)
         for p in result["pressure"]
     }
     pressures = sorted(found)
@@ -52,13 +53,13 @@ def observable_charts(
     """Yield a chart for every observable that is in the file."""
     models = list(drawn_models(source, styles))
     pressures = drawn_pressures(source)
-    for name, kind in charted_observables().items():
+    for name, kind in charted_observables(source).items():
         series = [
             one
             for model in models
             if f"{name}_bin" in model.result
             for p in pressures
-            for one in _series(model, name, p)
+            for one in _series(model, kind, p)
         ]
         if series:
             yield ReportChart(
@@ -73,15 +74,16 @@ def observable_charts(
             )
 
 
-def _series(model: DrawnModel, name: str, pressure: float) -> Iterator[ChartSeries]:
+def _series(
+    model: DrawnModel, observable: Observable, pressure: float
+) -> Iterator[ChartSeries]:
     """Yield the curve of a model at one pressure, and Persson's theory if it is there."""
-    result = model.result
+    result, name = model.result, observable.variable
     there = np.flatnonzero(np.isclose(result["pressure"], pressure, rtol=1e-9))
     if there.size == 0:
         return
     x = np.asarray(result[f"{name}_bin"], float)
-    dimension = int(result.attributes.get("dimension", 2))
-    unit = charted_observables()[name].drawn_unit(x, dimension)
+    unit = drawn_unit(result, observable)
 
     def values(kind: str) -> FloatArray:
         return np.asarray(result[f"{name}_{kind}"], float)[int(there[0])] / unit

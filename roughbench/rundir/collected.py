@@ -195,7 +195,7 @@ class Collected:
             self._entered.update(place for place in fields if place in self._places)
 
     def _enter(self, name: str, values: Array, taken: Taken) -> None:
-        axes = dimensions(name)
+        axes = dimensions(name, values.ndim)
         if axes[0] != "realization":
             if not np.array_equal(values, self._values.setdefault(name, values)):
                 raise ValueError(f"has another {name} than the states before")

@@ -78,7 +78,8 @@ def identity(cell: Cell, threads: int) -> Identity:
     else:
         values["pressures"] = _in_words(cell)
     if asked := cell.asked.observables:
-        values["observables"] = f"{', '.join(asked)} ({observing_digest(asked)})"
+        names = ", ".join(observable.name for observable in asked)
+        values["observables"] = f"{names} ({observing_digest(asked)})"
     values["code"] = code_digest(type(model))
     return values
 
@@ -123,8 +124,17 @@ def code_digest(model: type[Model]) -> str:
     Of a model from outside its own files count, and those that it imports beside them (of a
     package: within it), and what it takes from roughbench.
     """
-    own = _own_files(model)
-    waiting = [own, *(_unit(name) for name in _SAMPLES)]
+    return _together(_digests([_own_files(model), *(_unit(name) for name in _SAMPLES)]))[:12]
+
+
+def _digests(waiting: list[dict[str, str]]) -> list[str]:
+    """Return the digests of texts, and of what they import of roughbench's numerics, by path.
+
+    Parameters
+    ----------
+    waiting : list of dict of str to str
+        Path → text.
+    """
     digests: dict[str, str] = {}
     while waiting:
         for path, text in waiting.pop().items():
@@ -136,23 +146,29 @@ def code_digest(model: type[Model]) -> str:
             names = {_public.get(name, name) for name in source.imported(text)}
             found = {match[1] for name in names if (match := _numerics(name))}
             waiting += [_unit(name) for name in sorted(found)]
-    return _together([digests[path] for path in sorted(digests)])[:12]
+    return [digests[path] for path in sorted(digests)]
 
 
 @functools.cache
-def observing_digest(names: Sequence[str] = ()) -> str:
+def observing_digest(observables: Sequence[Observable] = ()) -> str:
     """Return a digest of what the source files compute that make observables, 8 digits.
 
     Parameters
     ----------
-    names : tuple of str
-        Observables; those of other packages count with the files that they come from.
+    observables : tuple of Observable
+        Those of other packages count with the files that they come from; those of files with
+        these, what they import beside them, and what they take from roughbench.
     """
     paths = sorted(Path(roughbench.observables.__file__).parent.glob("*.py"))
     paths.append(_PACKAGE / "engines" / "observing.py")
-    for name in names:
-        paths += [path for path in _files_of(OBSERVABLES[name]) if path not in paths]
-    return _together([source.digest(path.read_text(encoding="utf-8")) for path in paths])[:8]
+    loaded: list[str] = []
+    for observable in observables:
+        if origin := origin_of(type(observable)):
+            loaded += _digests([dict(origin.files.texts)])
+        else:
+            paths += [path for path in _files_of(observable) if path not in paths]
+    texts = [path.read_text(encoding="utf-8") for path in paths]
+    return _together([*map(source.digest, texts), *loaded])[:8]
 
 
 def _files_of(observable: Observable) -> list[Path]:
@@ -176,7 +192,7 @@ def assembly_digest() -> str:
     texts = [path.read_text(encoding="utf-8") for path in paths]
     described = [repr(quantity) for quantity in QUANTITIES.values()]  # of other packages too
     return _together(
-        [*map(source.digest, texts), *described, observing_digest((*OBSERVABLES,))]
+        [*map(source.digest, texts), *described, observing_digest((*OBSERVABLES.values(),))]
     )
 
 

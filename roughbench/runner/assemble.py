@@ -30,7 +30,11 @@ def assemble(cell: Cell, block: Block) -> ModelResult:
         those that did.
     """
     variables: dict[str, Array] = {"pressure": cell.pressure_array()}
-    variables |= {name: values for name, values in block.items() if dimensions(name) == (name,)}
+    variables |= {
+        name: values
+        for name, values in block.items()
+        if dimensions(name, values.ndim) == (name,)
+    }
     variables |= _positions(cell, block)
     variables |= block
     converged = variables["status"] == Status.CONVERGED
@@ -52,6 +56,7 @@ def assemble(cell: Cell, block: Block) -> ModelResult:
         | {"seed": cell.seed}
         | observing.attributes(cell),
         variables=variables,
+        described=observing.described(cell),
     )
 
 

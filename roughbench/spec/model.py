@@ -13,8 +13,9 @@ from pydantic import BaseModel, Field, PrivateAttr
 
 from roughbench.models.base import MOST_REALIZATIONS
 from roughbench.models.registry import Catalog
+from roughbench.observables import Observable
 from roughbench.spec import sweep
-from roughbench.spec.fields import Observables, SavedFields
+from roughbench.spec.fields import Observables, SavedFields, observables_of
 from roughbench.spec.models import AnyModel, catalog_of
 from roughbench.spec.pressures import Pressures, nearest, values_of
 from roughbench.spec.surfaces import STRICT, Surface
@@ -64,6 +65,7 @@ class Spec(BaseModel):
     _text: str | None = PrivateAttr(default=None)
     _folder: Path = PrivateAttr(default=Path())
     _catalog: Catalog = PrivateAttr(default_factory=Catalog)
+    _observed: tuple[Observable, ...] = PrivateAttr(default=())
 
     def model_post_init(self, context: Any) -> None:
         """Keep the text and the folder of the file that the spec came from."""
@@ -71,6 +73,12 @@ class Spec(BaseModel):
             self._text = context.get("text")
             self._folder = Path(context.get("folder", ""))
             self._catalog = catalog_of(context)
+        self._observed = tuple(observables_of(self.observables or (), self._catalog))
+
+    @property
+    def observed(self) -> tuple[Observable, ...]:
+        """The observables that it names; those of files as they were when it was read."""
+        return self._observed
 
     @property
     def folder(self) -> Path:
