@@ -15,7 +15,7 @@ MINIMUM := .venv-minimum
 .PHONY: help demo test test-all test-minimum lint smoke fig1 fig2 fig3 fig4 figures paper-fig3 \
 	paper-fig4 paper-bem study study-contenders \
 	study-fields study-size study-rolloff study-below study-hurst study-cutoff \
-	study-resolution compare compare-tamaas outside-model faults bench readme-figures dist dist-check \
+	study-resolution compare compare-tamaas compare-scans outside-model faults bench readme-figures dist dist-check \
 	clean distclean setup setup-dev python
 
 help: ## this list
@@ -116,6 +116,11 @@ compare: setup ## the models against an independent prototype's numbers
 
 compare-tamaas: setup ## the exact solver against Tamaas, in an environment of its own
 	$(BIN)/python scripts/compare_tamaas.py
+
+compare-scans: setup-dev ## what is read from the topographies in FOLDER, against SurfaceTopography
+	@test -n "$(FOLDER)" || { echo "error: say which folder: make compare-scans" \
+		"FOLDER=/path/to/topographies" >&2; exit 1; }
+	$(BIN)/python scripts/compare_scans.py "$(FOLDER)"
 
 faults: setup-dev ## a campaign of kills and full disks; three quarters of an hour
 	$(BIN)/python scripts/fault_campaign.py
