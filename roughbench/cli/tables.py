@@ -36,7 +36,7 @@ _OF_SURFACE = (
 _OF_FIELDS = {"dimension", *(name for one in OBSERVABLES.values() for name in one.attributes)}
 TABLE = Kind("table", lambda head, _: re.match(rb"(\w+ \[[^]\n]*\],?)+\n", head) is not None)
 """CSV: recognized by its first line, which has nothing but names with units."""
-_NOT_OPTIONS = {*_OF_SURFACE, *_OF_FIELDS, "rms_height", "grid_points"}
+_NOT_OPTIONS = {*_OF_SURFACE, *_OF_FIELDS, "rms_height", "grid_points", "grid_columns"}
 
 
 def as_text(results: Results, source: str) -> str:

@@ -131,6 +131,7 @@ def ring_average(sample: Sample) -> tuple[FloatArray, FloatArray]:
     q = wavenumbers(heights.shape, sample.length)
     power = np.abs(np.fft.rfftn(heights, norm="forward")) ** 2
     power *= (sample.length / (2.0 * np.pi)) ** heights.ndim
+    power *= heights.size / heights.shape[0] ** heights.ndim  # of a cell that is no square
     inside = (q >= spectrum.q_min * (1.0 - 1e-9)) & (q <= spectrum.q_max * (1.0 + 1e-9))
     q, power = q[inside], power[inside]
     if heights.ndim == 1:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from roughbench.errors import SurfaceError
 from roughbench.heights_file import load_heights
-from roughbench.models.base import FloatArray, Model, Sample
+from roughbench.models.base import FloatArray, Model, Sample, cell_area
 from roughbench.models.registry import source_of
 from roughbench.models.style import Style
 from roughbench.results import Attribute
@@ -98,7 +98,10 @@ def make_sample(
             )
         _check_dimension(surface, model, heights.shape)
         if model.dimension == 0:
-            return Sample(None, surface.length, measured_spectrum(heights, surface.length))
+            measured = measured_spectrum(heights, surface.length)
+            is_square = len(set(heights.shape)) == 1
+            area = None if is_square else cell_area(heights.shape, surface.length)
+            return Sample(None, surface.length, measured, area)
         return Sample(heights, surface.length)
     spectrum, length = surface.spectrum(), surface.length
     if model.dimension == 0:
@@ -158,7 +161,8 @@ def describe(
 
     ``rms_height`` and ``rms_slope`` are those of the spectrum (continuum), for heights
     from a file those of the heights. ``grid_points`` is the resolved number of points
-    per side.
+    per side; of heights that are no square it is that along the first axis, and
+    ``grid_columns`` that along the second.
     """
     options = model.model_dump(exclude={"kind", "label", "realizations"}, exclude_none=True)
     attributes: dict[str, Attribute] = {"surface": surface.kind, "length": surface.length}
@@ -179,6 +183,8 @@ def describe(
         n_points = model.grid_points(spectrum, surface.length) if model.dimension else 0
     if model.dimension:
         attributes["grid_points"] = n_points
+        if heights is not None and heights.shape[-1] != n_points:
+            attributes["grid_columns"] = heights.shape[-1]
         options |= dict.fromkeys(model.sampling[:1], n_points)
     if source := source_of(model):
         attributes["source"] = source

@@ -28,7 +28,7 @@ _SURFACE = {
 }
 _SPEC_NAMES = {"below_rolloff": "below_qr"}
 """Attribute of the results → key of the spec, where they differ."""
-_NOT_OPTIONS = {*_SURFACE, "surface", "seed", "grid_points"}
+_NOT_OPTIONS = {*_SURFACE, "surface", "seed", "grid_points", "grid_columns"}
 
 
 @dataclass(frozen=True, slots=True)

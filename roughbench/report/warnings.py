@@ -150,7 +150,8 @@ def _few_points(result: ModelResult) -> Iterator[tuple[str, str]]:
     if not is_counted or "grid_points" not in result.attributes:
         return
     raw, area = (np.asarray(result[f"{name}_mean"], float) for name in ("area_raw", "area"))
-    points = raw * float(result.attributes["grid_points"]) ** 2
+    rows = float(result.attributes["grid_points"])
+    points = raw * rows * float(result.attributes.get("grid_columns", rows))
     few = (points > 0.0) & (points < FEWEST_CONTACT_POINTS)
     if few.any():
         text = (
