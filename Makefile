@@ -15,8 +15,8 @@ MINIMUM := .venv-minimum
 .PHONY: help demo test test-all test-minimum lint smoke fig1 fig2 fig3 fig4 figures paper-fig3 \
 	paper-fig4 paper-bem study study-contenders \
 	study-fields study-size study-rolloff study-below study-hurst study-cutoff \
-	study-resolution compare compare-tamaas outside-model faults bench readme-figures dist dist-check \
-	clean distclean setup setup-dev python
+	study-resolution compare compare-tamaas outside-model preparation faults bench readme-figures \
+	dist dist-check clean distclean setup setup-dev python
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / { printf "  make %-18s%s\n", $$1, $$2 }' Makefile
@@ -116,6 +116,9 @@ compare: setup ## the models against an independent prototype's numbers
 
 compare-tamaas: setup ## the exact solver against Tamaas, in an environment of its own
 	$(BIN)/python scripts/compare_tamaas.py
+
+preparation: setup ## what the preparation of a scan does to the answer, as a table; minutes
+	$(BIN)/python scripts/preparation_effects.py
 
 faults: setup-dev ## a campaign of kills and full disks; three quarters of an hour
 	$(BIN)/python scripts/fault_campaign.py

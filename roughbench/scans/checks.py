@@ -355,10 +355,11 @@ def _waves(case: _Case) -> Iterator[Doubt]:
             is_wrong=False,
         )
     if waves.bumps < BUMPS:
-        scatter = 0.5 / math.sqrt(waves.bumps)
+        bumps = max(waves.bumps, 1.0)  # of a single slope less than one
+        scatter = 0.5 / math.sqrt(bumps)
         yield Doubt(
             "bumps",
-            f"only about {max(waves.bumps, 1.0):.2g} bumps in the cell (mean wavelength "
+            f"only about {bumps:.2g} bump{'s' * (bumps >= 1.05)} in the cell (mean wavelength "
             f"{case.words(waves.wavelength * case.spacing)}): Sq of another such piece differs "
             f"by {per_cent(scatter)}, and the gap with it; measure a larger piece, or average "
             "over several",
