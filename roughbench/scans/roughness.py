@@ -118,9 +118,9 @@ def roughness(heights: ArrayLike, size: tuple[float, float]) -> Roughness:
     Sdq takes :math:`(h_{i+1,j} - h_{ij})/\Delta_y` and :math:`(h_{i,j+1} - h_{ij})/\Delta_x`
     together. A place counts if both exist and no point within two steps along either axis is
     missing, counted around the border: what stands at the rim of a hole is measured worst,
-    and this is the rule of SurfaceTopography's ``rms_gradient``, up to its rounding. Sdr is the area of the
-    triangles between neighbouring points, two in each cell; of a wave that many points
-    resolve it is Sdq²/2 for small slopes.
+    and this is the rule of SurfaceTopography's ``rms_gradient``, up to its rounding. Sdr is
+    the area of the triangles between neighbouring points, two in each cell; of a wave that
+    many points resolve it is Sdq²/2 for small slopes.
 
     Examples
     --------
