@@ -24,6 +24,7 @@ a border, or across a missing point.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,6 +34,9 @@ from roughbench.errors import SurfaceError
 from roughbench.inputs import float_array, positive_number
 
 FloatArray = NDArray[np.float64]
+
+_BLOCK = 1 << 18
+"""Points worked on at once."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +146,7 @@ def roughness(heights: ArrayLike, size: tuple[float, float]) -> Roughness:
         for side, axis in zip(size, "yx", strict=True)
     )
     spacing = sides[0] / h.shape[0], sides[1] / h.shape[1]
-    heard = _heights(h)
+    of_heights = _heights(h)
     tensor, developed = _slopes(h, spacing)
     m4 = _curvature(h, spacing)
     m2 = float(np.trace(tensor)) / 2.0
@@ -154,105 +158,124 @@ def roughness(heights: ArrayLike, size: tuple[float, float]) -> Roughness:
         size=(sides[0], sides[1]),
         Sdq=math.sqrt(2.0 * m2),
         Sdr=developed,
-        m0=heard["Sq"] ** 2,
+        m0=of_heights["Sq"] ** 2,
         m2=m2,
         m4=m4,
-        nayak=heard["Sq"] ** 2 * m4 / m2**2 if m2 else math.inf,
+        nayak=of_heights["Sq"] ** 2 * m4 / m2**2 if m2 else math.inf,
         band=(2.0 * math.pi / max(sides), math.pi / min(spacing)),
         slopes=(math.sqrt(tensor[0, 0]), math.sqrt(tensor[1, 1])),
         anisotropy=math.sqrt(along / across) if across > 1e-12 * along else math.inf,
         direction=angle - 180.0 if angle > 90.0 else angle + 180.0 if angle <= -90.0 else angle,
-        **heard,
+        **of_heights,
     )
+
+
+def _blocks(rows: int, columns: int) -> Iterator[tuple[int, int]]:
+    """Cut rows into blocks that stay in the cache."""
+    step = max(1, _BLOCK // columns)
+    for start in range(0, rows, step):
+        yield start, min(start + step, rows)
 
 
 def _heights(h: FloatArray) -> dict[str, float]:
     """Return what the heights say wherever they stand."""
-    z = h[np.isfinite(h)]
-    missing = 1.0 - z.size / h.size
-    if not z.size:
+    blocks = list(_blocks(*h.shape))
+    count, total, highest, lowest = 0, 0.0, -math.inf, math.inf
+    for start, stop in blocks:
+        z = h[start:stop]
+        z = z[np.isfinite(z)]
+        if z.size:
+            count += z.size
+            total += float(z.sum())
+            highest, lowest = max(highest, float(z.max())), min(lowest, float(z.min()))
+    if not count:
         raise SurfaceError("all points are missing: there is no surface to describe")
-    highest, lowest = float(z.max()), float(z.min())
-    z -= z.mean()
-    rms = math.sqrt(float(np.mean(z * z)))
-    if not rms > 1e-14 * max(abs(highest), abs(lowest)):
+    mean, range_ = total / count, highest - lowest
+    if not range_ > 1e-14 * max(abs(highest), abs(lowest)):
         raise SurfaceError(f"all heights are the same, {highest:g}: there is no roughness")
-    z /= rms
-    arithmetic = float(np.abs(z).mean())
-    power = z * z
-    kurtosis = float(np.mean(power * power))
-    power *= z
+    powers = np.zeros(5)
+    absolute = 0.0
+    for start, stop in blocks:
+        z = h[start:stop]
+        z = (z[np.isfinite(z)] - mean) / range_  # so that no power overflows
+        square = z * z
+        absolute += float(np.abs(z).sum())
+        powers += [z.size, z.sum(), square.sum(), (square * z).sum(), (square * square).sum()]
+    _, offset, second, third, fourth = powers / count
+    # The mean was rounded; what is left of it.
+    second -= offset**2
+    third -= 3.0 * offset * second
+    rms = math.sqrt(second)
     return {
-        "missing": missing,
-        "Sa": arithmetic * rms,
-        "Sq": rms,
-        "Ssk": float(power.mean()),
-        "Sku": kurtosis,
-        "peak_to_valley": highest - lowest,
+        "missing": 1.0 - count / h.size,
+        "Sa": absolute / count * range_,
+        "Sq": rms * range_,
+        "Ssk": float(third / rms**3),
+        "Sku": float(fourth / second**2),
+        "peak_to_valley": range_,
     }
 
 
 def _slopes(h: FloatArray, spacing: tuple[float, float]) -> tuple[FloatArray, float]:
     """Return ⟨∇h ∇hᵀ⟩ in the order (y, x), and the share of area that is gained."""
-    along_y = np.diff(h, axis=0) / spacing[0]
-    along_x = np.diff(h, axis=1) / spacing[1]
-    upper = (along_y[:, :-1], along_x[:-1])
-    lower = (along_y[:, 1:], along_x[1:])
-    places = _clear_of_holes(np.isfinite(h))
-    y, x = upper if places is None else (upper[0][places], upper[1][places])
-    if not y.size:
+    dy, dx = spacing
+    rows, columns = h.shape
+    whole = bool(np.isfinite(h).all())
+    places = crossings = triangles = 0
+    square_y = square_x = mixed = gained = 0.0
+    for start, stop in _blocks(rows - 1, columns):
+        part = h[start : stop + 1]
+        along_y, along_x = np.diff(part, axis=0) / dy, np.diff(part, axis=1) / dx
+        y, x = along_y[:, :-1], along_x[:-1]
+        if not whole:
+            clear = _clear_of_holes(h, start, stop)
+            y, x = y[clear], x[clear]
+        places += y.size
+        square_y += float(np.sum(y * y))
+        square_x += float(np.sum(x * x))
+        # The slopes of both sides of a cell, multiplied: noise has none of it.
+        product = (along_y[:, :-1] + along_y[:, 1:]) * (along_x[:-1] + along_x[1:])
+        product = product[np.isfinite(product)]
+        crossings += product.size
+        mixed += float(product.sum()) / 4.0
+        for y, x in ((along_y[:, :-1], along_x[:-1]), (along_y[:, 1:], along_x[1:])):
+            square = y * y + x * x
+            square = square[np.isfinite(square)]
+            # √(1 + s) − 1 without cancellation.
+            gained += float(np.sum(square / (np.sqrt(1.0 + square) + 1.0)))
+            triangles += square.size
+    if not places:
         raise SurfaceError(
             "so many points are missing that nowhere enough neighbours are left for a slope"
         )
-    square_y, square_x = _mean_square(y), _mean_square(x)
-    del y, x
-    # The slopes of both sides of a cell, multiplied: noise has none of it.
-    down = h[1:, 1:] - h[:-1, :-1]
-    up = h[1:, :-1] - h[:-1, 1:]
-    if places is not None:
-        whole = np.isfinite(down) & np.isfinite(up)
-        down, up = down[whole], up[whole]
-    mixed = (_mean_square(down) - _mean_square(up)) / (4.0 * spacing[0] * spacing[1])
-    del down, up
-    tensor = np.array([[square_y, mixed], [mixed, square_x]])
-    gained, triangles = 0.0, 0
-    for part_y, part_x in (upper, lower):
-        square = part_y * part_y
-        square += part_x * part_x
-        if places is not None:
-            square = square[np.isfinite(square)]
-        # √(1 + s) − 1 without cancellation.
-        gained += float(np.sum(square / (np.sqrt(1.0 + square) + 1.0)))
-        triangles += square.size
+    mixed /= max(crossings, 1)
+    tensor = np.array([[square_y / places, mixed], [mixed, square_x / places]])
     return tensor, gained / triangles
 
 
-def _mean_square(values: FloatArray) -> float:
-    """Return the mean square of an array, without an array for the squares; 0 of none."""
-    every = "ij,ij" if values.ndim == 2 else "i,i"
-    return float(np.einsum(every, values, values)) / max(values.size, 1)
-
-
-def _clear_of_holes(measured: NDArray[np.bool_]) -> NDArray[np.bool_] | None:
-    """Return the places whose differences count, or None if all of them do."""
-    if measured.all():
-        return None
-    clear = measured.copy()
+def _clear_of_holes(h: FloatArray, start: int, stop: int) -> NDArray[np.bool_]:
+    """Return the places of these rows whose differences count."""
+    rows = np.arange(start, stop + 2) % h.shape[0]
+    measured = np.isfinite(h[rows])
+    clear = measured[:-2].copy()
     for down, right in ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2)):
-        clear &= np.roll(measured, (-down, -right), (0, 1))
-    return clear[:-1, :-1]
+        shifted = measured[down : down + stop - start]
+        clear &= np.roll(shifted, -right, axis=1) if right else shifted
+    return clear[:, :-1]
 
 
 def _curvature(h: FloatArray, spacing: tuple[float, float]) -> float:
     """Return the mean square second derivative of profiles along both axes."""
-    squares = []
-    for axis, step in enumerate(spacing):
-        second = np.diff(h, n=2, axis=axis)
-        second = second[np.isfinite(second)]
-        if second.size:
-            squares.append(float(np.mean(second * second)) / step**4)
-    if not squares:
+    total, count = [0.0, 0.0], [0, 0]
+    for start, stop in _blocks(*h.shape):
+        for axis, part in enumerate((h[max(start - 2, 0) : stop], h[start:stop])):
+            second = np.diff(part, n=2, axis=axis)
+            second = second[np.isfinite(second)]
+            total[axis] += float(np.sum(second * second)) / spacing[axis] ** 4
+            count[axis] += second.size
+    means = [one / n for one, n in zip(total, count, strict=True) if n]
+    if not means:
         raise SurfaceError(
             "so many points are missing that nowhere three neighbours are left in a row"
         )
-    return sum(squares) / len(squares)
+    return sum(means) / len(means)

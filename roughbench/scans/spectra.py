@@ -12,10 +12,11 @@ It has the slope of one direction only, and is **not** the spectrum :math:`\pi q
 the line that Popov's mapping takes for the surface.
 
 Heights that are not periodic are weighed by Hann's window :math:`w = \sin^2(\pi x/L)` along
-each axis that is transformed, and the power divided by :math:`\langle w^2\rangle`, so that its
-mean is right (F. J. Harris, Proc. IEEE 66, 51 (1978); T. D. B. Jacobs, T. Junge, L. Pastewka,
-Surf. Topogr.: Metrol. Prop. 5, 013001 (2017)). That is for spectra only: in contact the window
-would be a different surface.
+each axis that is transformed, and the power multiplied so that the rms gradient by
+differences stays that of all measured points; on average that is by
+:math:`1/\langle w^2\rangle` (F. J. Harris, Proc. IEEE 66, 51 (1978); T. D. B. Jacobs,
+T. Junge, L. Pastewka, Surf. Topogr.: Metrol. Prop. 5, 013001 (2017)). That is for spectra
+only: in contact the window would be a different surface.
 """
 
 from __future__ import annotations
@@ -62,8 +63,8 @@ class MeasuredSpectrum:
     crowding : ndarray of float64, shape (n,)
         ⟨P²⟩/⟨P⟩² of the powers P of the modes: 2 for random Gaussian heights, 1 for
         random phases, many where few modes hold all the power.
-    size : (float, float)
-        Of the heights along (y, x), length.
+    size, spacing : (float, float)
+        Of the heights, and of their points, along (y, x), length.
     windowed : bool
         Whether Hann's window was used.
     """
@@ -75,6 +76,7 @@ class MeasuredSpectrum:
     independent: FloatArray
     crowding: FloatArray
     size: tuple[float, float]
+    spacing: tuple[float, float]
     windowed: bool
 
     @property
@@ -133,12 +135,17 @@ class MeasuredSpectrum:
             independent=np.maximum(independent, 1.0 / HANN_WIDTH**2),
             crowding=mean(self.crowding),
             size=self.size,
+            spacing=self.spacing,
             windowed=self.windowed,
         )
 
 
 def surface_spectrum(
-    heights: ArrayLike, size: tuple[float, float], *, window: bool
+    heights: ArrayLike,
+    size: tuple[float, float],
+    *,
+    window: bool,
+    measured: NDArray[np.bool_] | None = None,
 ) -> MeasuredSpectrum:
     r"""Return C2D averaged over rings of wavevectors, 2π over the longer side wide.
 
@@ -150,6 +157,8 @@ def surface_spectrum(
         Along (y, x), length; pixels may be rectangular.
     window : bool
         Weigh with Hann's window: for heights that are not periodic.
+    measured : ndarray of bool, shape (rows, columns), optional
+        False where heights were filled: filled places are too smooth.
 
     Returns
     -------
@@ -171,9 +180,10 @@ def surface_spectrum(
     (0.005, 10)
     """
     h = _checked(heights)
-    power, fill = _transformed(h, (0, 1) if window else ())
+    axes = (0, 1) if window else ()
     n, m = h.shape
-    power *= size[0] * size[1] / (2.0 * math.pi) ** 2 / fill
+    power = _transformed(h, axes)
+    power *= _gain(h, size, axes, measured, (0, 1)) * size[0] * size[1] / (2.0 * math.pi) ** 2
     width = 2.0 * math.pi / max(size)
     end = math.pi / max(size[0] / n, size[1] / m) / width
     qy = 2.0 * math.pi / size[0] / width * np.fft.fftfreq(n, 1.0 / n)
@@ -212,12 +222,18 @@ def surface_spectrum(
         independent=count / (HANN_WIDTH**2 if window else 1.0),
         crowding=crowding,
         size=(float(size[0]), float(size[1])),
+        spacing=(size[0] / h.shape[0], size[1] / h.shape[1]),
         windowed=window,
     )
 
 
 def profile_spectrum(
-    heights: ArrayLike, size: tuple[float, float], axis: int, *, window: bool
+    heights: ArrayLike,
+    size: tuple[float, float],
+    axis: int,
+    *,
+    window: bool,
+    measured: NDArray[np.bool_] | None = None,
 ) -> MeasuredSpectrum:
     r"""Return the spectrum of the profiles along one axis, averaged over all of them.
 
@@ -231,6 +247,8 @@ def profile_spectrum(
         0 for profiles along y (columns of the array), 1 for profiles along x.
     window : bool
         Weigh each profile with Hann's window.
+    measured : ndarray of bool, shape (rows, columns), optional
+        False where heights were filled.
 
     Returns
     -------
@@ -240,7 +258,7 @@ def profile_spectrum(
         since neighbouring profiles are nearly the same.
     """
     h = _checked(heights)
-    power, fill = _transformed(h if axis == 1 else h.T, (1,) if window else ())
+    power = _transformed(h if axis == 1 else h.T, (1,) if window else ())
     length = size[axis]
     power = power[:, 1:]  # without the mean
     points = h.shape[axis]
@@ -250,7 +268,8 @@ def profile_spectrum(
     # Of exponential powers ⟨P²⟩ is twice ⟨P⟩².
     independent = np.clip(2.0 * safe**2 / np.where(total > 0.0, squares, 1.0), 1.0, len(power))
     crowding = len(power) * squares / safe**2
-    total *= length / (2.0 * math.pi) / fill
+    total *= _gain(h, size, (axis,) if window else (), measured, (axis,))
+    total *= length / (2.0 * math.pi)
     modes = np.ones_like(total)
     if points % 2 == 0:
         modes[-1] = 0.5  # the one at the end of the band is its own mirror image
@@ -262,6 +281,7 @@ def profile_spectrum(
         independent=independent,
         crowding=crowding,
         size=(float(size[0]), float(size[1])),
+        spacing=(size[0] / h.shape[0], size[1] / h.shape[1]),
         windowed=window,
     )
 
@@ -277,19 +297,64 @@ def _checked(heights: ArrayLike) -> FloatArray:
     return h
 
 
-def _transformed(h: FloatArray, windowed: tuple[int, ...]) -> tuple[FloatArray, float]:
-    """Return |h_q|² of the half plane of the weighed heights, and ⟨w²⟩."""
+def _transformed(h: FloatArray, windowed: tuple[int, ...]) -> FloatArray:
+    """Return |h_q|² of the half plane, of heights weighed by a window along some axes."""
     from scipy import fft
 
-    window = np.ones((1, 1))
-    for axis in windowed:
-        points = h.shape[axis]
-        along = np.sin(np.pi * (np.arange(points) + 0.5) / points) ** 2
-        window = window * (along[:, None] if axis == 0 else along)
-    mean = float(np.mean(window * h) / window.mean())
-    weighed = h - mean
-    weighed *= window
+    along_y, along_x = (_window(h.shape, axis, windowed) for axis in (0, 1))
+    mean = (along_y @ h @ along_x) / (along_y.sum() * along_x.sum())
+    weighed = h - mean  # so that the weighed heights have no mean
+    weighed *= along_y[:, None]
+    weighed *= along_x
     modes = fft.rfft2(weighed, norm="forward", overwrite_x=True, workers=2)
+    del weighed
     power: FloatArray = np.square(modes.real)
     power += np.square(modes.imag)
-    return power, float(np.mean(window**2))
+    return power
+
+
+def _window(shape: tuple[int, ...], axis: int, windowed: tuple[int, ...]) -> FloatArray:
+    """Return Hann's window along an axis, or ones."""
+    points = shape[axis]
+    if axis not in windowed:
+        return np.ones(points)
+    return np.asarray(np.sin(np.pi * (np.arange(points) + 0.5) / points) ** 2)
+
+
+def _gain(
+    h: FloatArray,
+    size: tuple[float, float],
+    windowed: tuple[int, ...],
+    measured: NDArray[np.bool_] | None,
+    axes: tuple[int, ...],
+) -> float:
+    """Return by what the power must be multiplied to be that of all measured points.
+
+    That is 1/⟨w²⟩ for roughness that is everywhere the same. A window shows the middle of
+    the scan, where the roughness is another by chance, and filled places have less of it; so
+    both are weighed by what is known everywhere: the mean square slope between neighbours.
+    """
+    if measured is not None and measured.all():
+        measured = None
+    if not windowed and measured is None:
+        return 1.0
+    weights = [_window(h.shape, axis, windowed) ** 2 for axis in (0, 1)]
+    known = shown = 0.0
+    for axis in axes:
+        squares = np.diff(h, axis=axis)
+        squares *= squares
+        step = size[axis] / h.shape[axis]
+        pairs: NDArray[np.bool_] | bool = True
+        if measured is not None:
+            pairs = (
+                measured[1:] & measured[:-1]
+                if axis == 0
+                else measured[:, 1:] & measured[:, :-1]
+            )
+        count = squares.size if pairs is True else np.count_nonzero(pairs)
+        known += float(np.sum(squares, where=pairs)) / max(count, 1) / step**2
+        between = [(w[1:] + w[:-1]) / 2.0 if k == axis else w for k, w in enumerate(weights)]
+        everything = between[0].sum() * between[1].sum()
+        shown += float(between[0] @ squares @ between[1] / everything) / step**2
+    kept = float(weights[0].mean() * weights[1].mean())
+    return known / shown / kept if known > 0.0 and shown > 0.0 else 1.0 / kept

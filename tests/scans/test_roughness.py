@@ -120,6 +120,19 @@ def test_sq_and_sdq_are_those_of_surfacetopography(
     assert found.Sdq == pytest.approx(theirs.rms_gradient(), rel=1e-12)
 
 
+def test_blocks_are_immaterial(
+    rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    heights = rng.standard_normal((23, 17)).cumsum(0)
+    heights[rng.random(heights.shape) < 0.03] = np.nan
+    whole = roughness(heights, (1.0, 2.0))
+    for points in (1, 40, 200):
+        monkeypatch.setattr("roughbench.scans.roughness._BLOCK", points)
+        found = roughness(heights, (1.0, 2.0))
+        for name in ("Sa", "Sq", "Ssk", "Sku", "Sdq", "Sdr", "m4", "direction"):
+            assert getattr(found, name) == pytest.approx(getattr(whole, name)), name
+
+
 @pytest.mark.parametrize(
     ("heights", "size", "word"),
     [
