@@ -79,7 +79,7 @@ class Rings:
         return values
 
     def slope_shown(self, law: Law) -> FloatArray:
-        """Return q²C of the rings of a law, as :meth:`log_law` shows it, over that of its modes.
+        """Return q²C of rings, as :meth:`log_law` shows it, over that of their modes.
 
         Modes of a ring have different q and C, and smear is no roughness.
         """
@@ -113,7 +113,8 @@ class Rings:
             information = (weights * g) @ g.T
             step = np.linalg.solve(information, (weights * g) @ (ratio - 1.0))
             step *= min(1.0, 1.0 / max(abs(step[0]), 2.0 * abs(step[1])))
-            law = Law(law.level + step[0], law.hurst + step[1], q_rolloff, self.pivot)
+            level, hurst = law.level + float(step[0]), law.hurst + float(step[1])
+            law = Law(level, hurst, q_rolloff, self.pivot)
             if max(abs(step)) < 1e-9:
                 break
         return law
