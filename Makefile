@@ -9,6 +9,9 @@ PYTHON ?= $(shell for python in python3 python3.13 python3.12 python3.11 python3
 JOBS ?= $(shell nproc 2>/dev/null || echo 1)
 BIN := .venv/bin
 MINIMUM := .venv-minimum
+# Each worker begins with its own part of the tests, whose fixtures it keeps; the first that has
+# finished takes tests from the others.
+PARALLEL := -n $(JOBS) --dist worksteal
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
@@ -83,13 +86,13 @@ study-resolution: ## the same surfaces on finer and finer grids
 ## -- checking --------------------------------------------------------------------------
 
 test: setup-dev ## unit tests and doctests, without those marked slow
-	$(BIN)/python -m pytest -n $(JOBS) -m "not slow"
+	$(BIN)/python -m pytest $(PARALLEL) -m "not slow"
 
 test-all: setup-dev ## all tests
-	$(BIN)/python -m pytest -n $(JOBS)
+	$(BIN)/python -m pytest $(PARALLEL)
 
 test-minimum: $(MINIMUM)/ready ## tests with the oldest versions of the dependencies (Python 3.11)
-	$(MINIMUM)/bin/python -m pytest -n $(JOBS) -m "not slow" -o filterwarnings=default tests/cli tests/engines \
+	$(MINIMUM)/bin/python -m pytest $(PARALLEL) -m "not slow" -o filterwarnings=default tests/cli tests/engines \
 		tests/figures tests/observables tests/planning tests/report tests/rundir tests/runner \
 		tests/spec tests/test_*.py
 
