@@ -402,6 +402,7 @@ def test_a_terminal_that_is_closed_ends_it_cleanly(folder: Path, invoke: Invoke)
     assert any(line.endswith(": done") for line in planned)
 
 
+@pytest.mark.usefixtures("no_bytecode")
 def test_a_full_disk_leaves_a_run_to_resume(folder: Path, invoke: Invoke, program: str) -> None:
     """Files may have 2 kB, as if the disk were full then: less than a shard."""
     command = f"ulimit -f 2; exec {sys.executable} -m roughbench run small.yaml"
