@@ -30,7 +30,7 @@ from roughbench.models.base import Status
 from roughbench.outputs import ENDS, Kind, check_output
 from roughbench.program import command, program
 from roughbench.publish import put, refusals_named, written
-from roughbench.results import Array, Attribute, ModelResult, Results
+from roughbench.results import MODULUS, Array, Attribute, ModelResult, Results
 from roughbench.seal import check_seal, has_mark, seal_file
 from roughbench.signals import signals_held_back
 from roughbench.sink import Sink
@@ -484,6 +484,9 @@ def _read_model(group: h5py.Group, label: str, budget: _Budget) -> ModelResult:
         value = _attribute(group, name, budget)
         attributes[name] = on_one_line(value) if isinstance(value, str) else value
     kind, title = str(attributes.pop("kind")), str(attributes.pop("title"))
+    modulus = attributes.get(MODULUS, 1.0)
+    if not isinstance(modulus, float) or not 0.0 < modulus < math.inf:
+        raise ValueError(f"{group.name} has the {MODULUS} {modulus!r}")
     variables: dict[str, h5py.Dataset] = {}
     described: dict[str, tuple[str, str]] = {}
     for name, data in _members(group, h5py.Dataset, budget):

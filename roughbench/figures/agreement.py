@@ -130,7 +130,8 @@ def departures(results: Results, factor: float = FACTOR) -> dict[str, Agreement 
         By experiment; None where one of the two is missing, or their pressures differ.
         Of several models of one kind the first counts.
     """
-    return {name: agreement_in(results, name, factor) for name in results}
+    reduced = results.reduced()
+    return {name: agreement_in(reduced, name, factor) for name in reduced}
 
 
 def agreement_in(results: Results, experiment: str, factor: float) -> Agreement | None:

@@ -69,6 +69,8 @@ class Cell:
         Of its fields; nothing for a model without.
     heights : Heights or None
         Those of a file, as the plan found them; None for a surface that is generated.
+    modulus : float or None
+        E*, Pa, of a spec with units; nothing that is computed depends on it.
 
     Raises
     ------
@@ -84,6 +86,7 @@ class Cell:
     seed: int
     asked: Asked = NOTHING
     heights: Heights | None = None
+    modulus: float | None = None
 
     def __post_init__(self) -> None:
         if isinstance(self.surface, FileSurface) != (self.heights is not None):
@@ -212,6 +215,7 @@ def plan(spec: Spec) -> list[Cell]:
             seed=variant.seed,
             asked=_asked(variant) if model.has_fields else NOTHING,
             heights=heights.get(variant.surface),
+            modulus=variant.modulus,
         )
         for experiment, variant in experiments
         for model in variant.models

@@ -202,6 +202,8 @@ def _load(surface: FileSurface) -> tuple[FloatArray, str]:
     heights = load_heights(surface.path, surface.folder)
     content = hashlib.sha256(repr(heights.shape).encode())
     content.update(heights.data)
+    if surface.unit is not None:
+        heights *= surface.unit
     heights -= heights.mean()
     return heights, content.hexdigest()[:20]
 

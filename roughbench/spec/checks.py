@@ -15,6 +15,7 @@ from roughbench.spec.pressures import is_among, nearest
 from roughbench.spec.surfaces import FileSurface, SelfAffineSurface
 from roughbench.spec.tree import Finding, KeyPath, lookup
 from roughbench.text import on_one_line
+from roughbench.units import in_words
 
 _MOST_WAVES = 1e9
 """Waves per side past which no grid is worth naming."""
@@ -28,6 +29,8 @@ def check_fit(
     models: Numbered,
     pressures: tuple[float, ...],
     saved: SavedFields | None,
+    *,
+    has_units: bool = False,
 ) -> Iterator[Finding]:
     """Yield every misfit between the valid parts of a spec.
 
@@ -43,13 +46,15 @@ def check_fit(
         Empty if they are not valid by themselves.
     saved : SavedFields or None
         None if nothing is to be kept, or it is not valid by itself.
+    has_units : bool
+        Whether the pressures are in Pa.
     """
     yield from _names(tree, models)
     yield from _deterministic(models)
     yield from _without_effect(models)
     if saved is not None:
         if pressures:
-            yield from _saved_pressures(saved, pressures)
+            yield from _saved_pressures(saved, pressures, has_units=has_units)
         if not isinstance(surface, FileSurface):
             yield from _saved_realizations(tree, saved, models)
     if isinstance(surface, SelfAffineSurface):
@@ -98,13 +103,18 @@ def _without_effect(models: Numbered) -> Iterator[Finding]:
                 yield Finding(("models", number, option), message)
 
 
-def _saved_pressures(saved: SavedFields, pressures: tuple[float, ...]) -> Iterator[Finding]:
+def _saved_pressures(
+    saved: SavedFields, pressures: tuple[float, ...], *, has_units: bool
+) -> Iterator[Finding]:
+    def says(pressure: float) -> str:
+        return in_words(pressure, "Pa", 9) if has_units else f"{pressure:.9g}"
+
     for number, pressure in enumerate(saved.pressures):
         if not is_among(pressure, pressures):
             yield Finding(
                 ("save_fields", "pressures", number),
-                f"{pressure:.9g} is none of the spec's pressures; add it to them, or write "
-                f"the nearest, {nearest(pressure, pressures):.9g}",
+                f"{says(pressure)} is none of the spec's pressures; add it to them, or write "
+                f"the nearest, {says(nearest(pressure, pressures))}",
             )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import functools
 import hashlib
 import json
@@ -17,9 +18,11 @@ from roughbench.observables import Observable
 from roughbench.spec import sweep
 from roughbench.spec.fields import Observables, SavedFields, observables_of
 from roughbench.spec.models import AnyModel, catalog_of
+from roughbench.spec.modulus import Modulus, contact_modulus
 from roughbench.spec.pressures import Pressures, nearest, values_of
 from roughbench.spec.surfaces import STRICT, Surface
 from roughbench.spec.tree import freeze
+from roughbench.spec.with_units import Spelled, spelled
 from roughbench.spec.yaml12 import dump
 
 _NOT_COMPUTED = {"name", "sweep"}
@@ -44,6 +47,12 @@ class Spec(BaseModel):
     given_pressures: Pressures = Field(
         alias="pressures", description="Pressures p/E*: a range, or a list."
     )
+    given_modulus: Modulus | None = Field(
+        default=None,
+        alias="modulus",
+        description="Contact modulus, in a spec with units: {E: 2.5 GPa, nu: 0.5} of a body on "
+        "a rigid one, a list of two bodies, or {E*: 3.33 GPa}.",
+    )
     realizations: int = Field(
         default=1, ge=1, le=MOST_REALIZATIONS, description="Surfaces in the ensemble."
     )
@@ -63,6 +72,7 @@ class Spec(BaseModel):
     )
 
     _text: str | None = PrivateAttr(default=None)
+    _written: Mapping[str, Any] | None = PrivateAttr(default=None)
     _folder: Path = PrivateAttr(default=Path())
     _catalog: Catalog = PrivateAttr(default_factory=Catalog)
     _observed: tuple[Observable, ...] = PrivateAttr(default=())
@@ -71,6 +81,7 @@ class Spec(BaseModel):
         """Keep the text and the folder of the file that the spec came from."""
         if isinstance(context, dict):
             self._text = context.get("text")
+            self._written = context.get("written")
             self._folder = Path(context.get("folder", ""))
             self._catalog = catalog_of(context)
         self._observed = tuple(observables_of(self.observables or (), self._catalog))
@@ -86,14 +97,24 @@ class Spec(BaseModel):
         return self._folder
 
     @property
+    def modulus(self) -> float | None:
+        """Contact modulus E*, Pa; None for a spec without units, where it is 1."""
+        return None if self.given_modulus is None else contact_modulus(self.given_modulus)
+
+    @property
     def pressures(self) -> tuple[float, ...]:
         """Pressures p/E*, ascending."""
-        return values_of(self.given_pressures)
+        return self._reduced(values_of(self.given_pressures))
+
+    def _reduced(self, pressures: tuple[float, ...]) -> tuple[float, ...]:
+        modulus = self.modulus
+        return pressures if modulus is None else tuple(p / modulus for p in pressures)
 
     @property
     def kept_pressures(self) -> tuple[float, ...]:
         """Those of the pressures at which fields are kept, ascending."""
-        given = self.save_fields.pressures if self.save_fields is not None else ()
+        saved = self.save_fields.pressures if self.save_fields is not None else ()
+        given = self._reduced(saved)
         return tuple(sorted({nearest(p, self.pressures) for p in given}))
 
     @property
@@ -111,7 +132,9 @@ class Spec(BaseModel):
         return hashlib.sha256(canonical.encode()).hexdigest()
 
     def as_given(self) -> dict[str, Any]:
-        """Return the tree of what the spec says, without defaults."""
+        """Return the tree of what the spec says, without defaults; units as written."""
+        if self._written is not None:
+            return copy.deepcopy(dict(self._written))
         return _listed(self.model_dump(by_alias=True, exclude_unset=True))
 
     def resolved(self) -> dict[str, Any]:
@@ -136,7 +159,7 @@ class Spec(BaseModel):
         tree = self.as_given()
         context = {"folder": self._folder, "catalog": self._catalog}
         specs = [
-            (variant, Spec.model_validate(freeze(variant.tree), context=context))
+            (variant, validated(spelled(variant.tree, self._catalog), variant.tree, context))
             for variant in sweep.variants(tree, self._catalog)
         ]
         names = sweep.names(
@@ -151,6 +174,27 @@ class Spec(BaseModel):
 
     def __hash__(self) -> int:
         return hash(self.sha256)
+
+
+def validated(spelling: Spelled, tree: Mapping[str, Any], context: Mapping[str, Any]) -> Spec:
+    """Return the spec of a tree.
+
+    Parameters
+    ----------
+    spelling : Spelled
+        Of the tree.
+    tree : mapping
+        As it was written, which a spec with units keeps.
+    context : mapping
+        What its parts have to know.
+
+    Raises
+    ------
+    pydantic.ValidationError
+    """
+    if spelling.has_units:
+        context = {**context, "has_units": True, "written": tree}
+    return Spec.model_validate(freeze(spelling.tree), context=dict(context))
 
 
 def _listed(tree: Any) -> Any:

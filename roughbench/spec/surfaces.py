@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import (
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Discriminator,
     Field,
@@ -18,8 +19,15 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
+from roughbench.errors import UnitError
+from roughbench.models.dimensional import (
+    LengthOption,
+    WavevectorOption,
+    says,
+)
 from roughbench.spectrum import BelowRolloff, Spectrum, self_affine
 from roughbench.surface import Amplitude
+from roughbench.units import to_si
 
 STRICT = ConfigDict(frozen=True, strict=True, extra="forbid", allow_inf_nan=False)
 
@@ -34,17 +42,16 @@ class SelfAffineSurface(BaseModel):
 
     kind: Literal["self-affine"] = Field(default="self-affine", description="Which surface.")
     hurst: float = Field(alias="H", gt=0.0, lt=1.0, description="Hurst exponent, 0 < H < 1.")
-    q_min: float = Field(
-        alias="q0", gt=0.0, description="Smallest wavevector q0 of the roughness, 1/length."
+    q_min: WavevectorOption = Field(
+        alias="q0", description="Smallest wavevector q0 of the roughness, 1/length."
     )
-    q_rolloff: float = Field(
+    q_rolloff: WavevectorOption = Field(
         alias="qr",
-        gt=0.0,
         default_factory=lambda data: data.get("q_min", 1.0),
         description="Roll-off wavevector, q0 <= qr < q1, 1/length; default q0.",
     )
-    q_max: float = Field(
-        alias="q1", gt=0.0, description="Largest wavevector q1 of the roughness, 1/length."
+    q_max: WavevectorOption = Field(
+        alias="q1", description="Largest wavevector q1 of the roughness, 1/length."
     )
     rms_slope: float | None = Field(
         alias="slope",
@@ -52,9 +59,8 @@ class SelfAffineSurface(BaseModel):
         gt=0.0,
         description="Rms slope √⟨|∇h|²⟩; give exactly one of slope and rms_height.",
     )
-    rms_height: float | None = Field(
+    rms_height: LengthOption | None = Field(
         default=None,
-        gt=0.0,
         validate_default=True,
         description="Rms height, length; give exactly one of slope and rms_height.",
     )
@@ -67,8 +73,7 @@ class SelfAffineSurface(BaseModel):
         default="fixed",
         description="Mode amplitudes: fixed (random phases) or gaussian (complex normal).",
     )
-    length: float = Field(
-        gt=0.0,
+    length: LengthOption = Field(
         default_factory=lambda data: 2.0 * math.pi / data.get("q_min", 1.0),
         description="Side of the periodic cell, at least 2π/q0; default 2π/q0.",
     )
@@ -78,7 +83,8 @@ class SelfAffineSurface(BaseModel):
     def _above_q_min(cls, value: float, info: ValidationInfo) -> float:
         q_min = info.data.get("q_min")
         if q_min is not None and value < q_min:
-            raise ValueError(f"must be at least q0 = {q_min}, got {value}")
+            lowest, got = says(q_min, "wavevector", info), says(value, "wavevector", info)
+            raise ValueError(f"must be at least q0 = {lowest}, got {got}")
         return value
 
     @field_validator("q_max")
@@ -86,7 +92,8 @@ class SelfAffineSurface(BaseModel):
     def _above_rolloff(cls, value: float, info: ValidationInfo) -> float:
         for key, name in (("q_rolloff", "qr"), ("q_min", "q0")):
             if value <= info.data.get(key, 0.0):
-                raise ValueError(f"must be greater than {name} = {info.data[key]}, got {value}")
+                below, got = (says(q, "wavevector", info) for q in (info.data[key], value))
+                raise ValueError(f"must be greater than {name} = {below}, got {got}")
         return value
 
     @field_validator("rms_height")
@@ -106,9 +113,10 @@ class SelfAffineSurface(BaseModel):
     def _holds_longest_wave(cls, value: float, info: ValidationInfo) -> float:
         q_min = info.data.get("q_min")
         if q_min is not None and value < 2.0 * math.pi / q_min * (1.0 - _ROUNDING):
+            longest = says(2.0 * math.pi / q_min, "length", info)
             raise ValueError(
-                f"must be at least 2π/q0 = {2.0 * math.pi / q_min}, the longest wave, "
-                f"got {value}"
+                f"must be at least 2π/q0 = {longest}, the longest wave, "
+                f"got {says(value, 'length', info)}"
             )
         return value
 
@@ -125,6 +133,19 @@ class SelfAffineSurface(BaseModel):
         )
 
 
+def _of_heights(value: object) -> object:
+    try:
+        if not isinstance(value, str):
+            raise UnitError("no text")
+        return to_si(f"1 {value}", "length")
+    except UnitError:
+        raise ValueError(f"must be a unit of length, such as nm, got {value!r}") from None
+
+
+HeightUnit = Annotated[float, BeforeValidator(_of_heights, json_schema_input_type=str)]
+"""A unit of length, which becomes a number of meters."""
+
+
 class FileSurface(BaseModel):
     """Heights from a ``.npy`` file or from a dataset of an HDF5 file."""
 
@@ -135,7 +156,10 @@ class FileSurface(BaseModel):
         min_length=1,
         description="heights.npy, or heights.h5:/dataset; relative to the folder of the spec.",
     )
-    length: float = Field(gt=0.0, description="Side of the periodic cell, the heights' unit.")
+    length: LengthOption = Field(description="Side of the periodic cell, the heights' unit.")
+    unit: HeightUnit | None = Field(
+        default=None, description="Unit of the heights, such as nm, in a spec with units."
+    )
 
     _folder: Path = PrivateAttr(default=Path())
 

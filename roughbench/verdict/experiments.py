@@ -66,7 +66,7 @@ class FittedExperiment:
 def fit_experiments(
     sources: Sequence[tuple[str, Results]], reference: str | None, resamples: int
 ) -> list[FittedExperiment]:
-    """Fit every experiment of some results.
+    """Fit every experiment of some results; those with units become p/E* first.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def fit_experiments(
     """
     experiments = []
     for name, results in sources:
-        for experiment, models in results.items():
+        for experiment, models in results.reduced().items():
             known = reference is None or reference in models
             label = reference_of(dict(models), reference if known else None)
             kept = dict(models)
