@@ -12,7 +12,7 @@ MINIMUM := .venv-minimum
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-all test-minimum lint smoke fig1 fig2 fig3 fig4 figures paper-fig3 \
+.PHONY: help demo units test test-all test-minimum lint smoke fig1 fig2 fig3 fig4 figures paper-fig3 \
 	paper-fig4 paper-bem study study-contenders \
 	study-fields study-size study-rolloff study-below study-hurst study-cutoff \
 	study-resolution compare compare-tamaas outside-model faults bench readme-figures dist dist-check \
@@ -47,6 +47,9 @@ endef
 
 demo: setup ## all three models on the same surfaces, and their figures: two minutes
 	$(call compute,quick,configs/quick.yaml)
+
+units: setup ## a surface and a material in physical units: ten seconds
+	$(call compute,$@,configs/$@.yaml)
 
 fig1 fig2 fig3 fig4: setup
 	$(call compute,$@,configs/$@.yaml)

@@ -38,6 +38,8 @@ _OF_FIELDS = {"dimension", *(name for one in OBSERVABLES.values() for name in on
 TABLE = Kind("table", lambda head, _: re.match(rb"(\w+ \[[^]\n]*\],?)+\n", head) is not None)
 """CSV: recognized by its first line, which has nothing but names with units."""
 _NOT_OPTIONS = {*_OF_SURFACE, *_OF_FIELDS, "rms_height", "grid_points", MODULUS}
+_HELD = "\xa0"
+"""A space within a number and its unit, where no line breaks."""
 _SI = {"length": "m", "q_min": "1/m", "q_rolloff": "1/m", "q_max": "1/m"}
 """Units of a surface's parameters in a spec with units."""
 
@@ -83,7 +85,7 @@ def _surface_lines(result: ModelResult) -> Iterator[str]:
     if result.has_units:
         height = in_words(float(given["rms_height"]), "m", 6)
         given |= {
-            name: in_words(float(given[name]), unit, 6)
+            name: in_words(float(given[name]), unit, 6).replace(" ", _HELD)
             for name, unit in _SI.items()
             if name in given
         }
@@ -135,7 +137,9 @@ def _listed(values: dict[str, Attribute]) -> list[str]:
         f"{name} {value:.6g}" if isinstance(value, float) else f"{name} {value}"
         for name, value in values.items()
     )
-    return textwrap.wrap(", ".join(parts), 88, initial_indent="  ", subsequent_indent="  ")
+    text = ", ".join(parts)
+    lines = textwrap.wrap(text, 88, initial_indent="  ", subsequent_indent="  ")
+    return [line.replace(_HELD, " ") for line in lines]
 
 
 def _heading(

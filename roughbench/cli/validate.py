@@ -54,4 +54,16 @@ def _content(cells: list[Cell]) -> str:
     states = sum(cell.n_states for cell in cells)
     models = ", ".join(dict.fromkeys(cell.model.name for cell in cells))
     many = "s" * (len(experiments) > 1)
-    return f"{len(experiments)} experiment{many}, {models}, {states} states"
+    return f"{len(experiments)} experiment{many}, {models}, {states} states{_units(cells)}"
+
+
+def _units(cells: list[Cell]) -> str:
+    """Return contact moduli and pressures of specs with units."""
+    from roughbench.units import in_words
+
+    moduli = sorted({cell.modulus for cell in cells if cell.modulus is not None})
+    if not moduli:
+        return ""
+    pressures = [p * (cell.modulus or 1.0) for cell in cells for p in cell.pressures]
+    ends = " … ".join(in_words(p, "Pa") for p in (min(pressures), max(pressures)))
+    return f"; E* = {', '.join(in_words(value, 'Pa') for value in moduli)}, p = {ends}"
