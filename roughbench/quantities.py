@@ -168,6 +168,21 @@ def _to_power(unit: str, power: int) -> str:
     return unit if power == 1 else f"{unit}^{power}"
 
 
+def modulus_power_of(unit: str) -> int:
+    """Return the power of E* in a variable from its unit, as :meth:`Variable.si_units` has it.
+
+    Examples
+    --------
+    >>> [modulus_power_of(unit) for unit in ("Pa/m", "J/m^2", "Pa^2*m^2", "1/Pa", "m", "1")]
+    [1, 1, 2, -1, 0, 0]
+    """
+    found = re.fullmatch(r"(1/\(?)?(?:J|Pa(?:\^(\d+))?)(?:[*/)].*)?", unit)
+    if found is None:
+        return 0
+    power = int(found[2] or 1)
+    return -power if found[1] else power
+
+
 def _over(above: str, below: str) -> str:
     if not below:
         return above or "1"

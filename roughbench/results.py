@@ -6,6 +6,7 @@ import html
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from roughbench.ensemble import STATISTICS
 from roughbench.errors import UnknownNameError
-from roughbench.quantities import compared
+from roughbench.quantities import compared, modulus_power_of
 from roughbench.spec.tree import did_you_mean
 from roughbench.surface_record import SurfaceRecord as SurfaceRecord
 from roughbench.units import in_words, prefix
@@ -157,7 +158,8 @@ class ModelResult:
         if self.modulus is None:
             return self
         attributes = {name: one for name, one in self.attributes.items() if name != MODULUS}
-        variables = _Scaled(self.variables, 1.0 / self.modulus)
+        units = {name: unit for name, (unit, _) in self.described.items()}
+        variables = _Scaled(self.variables, 1.0 / self.modulus, units)
         return replace(self, attributes=attributes, variables=variables)
 
     def __repr__(self) -> str:
@@ -194,13 +196,24 @@ class ModelResult:
 
 
 class _Scaled(Mapping[str, Array]):
-    """Variables times E* to the power that each has of it; made whenever one is asked for."""
+    """Variables times E* to the power that each has of it; made whenever one is asked for.
 
-    def __init__(self, variables: Mapping[str, Array], modulus: float) -> None:
-        self._variables, self._modulus = variables, modulus
+    Of a variable that only its file knows, its unit tells the power.
+    """
+
+    def __init__(
+        self,
+        variables: Mapping[str, Array],
+        modulus: float,
+        units: Mapping[str, str] = MappingProxyType({}),
+    ) -> None:
+        self._variables, self._modulus, self._units = variables, modulus, units
 
     def __getitem__(self, name: str) -> Array:
-        values, power = self._variables[name], modulus_power(name)
+        values = self._variables[name]
+        power = (
+            modulus_power_of(self._units[name]) if name in self._units else modulus_power(name)
+        )
         return values * self._modulus**power if power else values
 
     def __iter__(self) -> Iterator[str]:
