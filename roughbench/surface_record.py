@@ -9,6 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from roughbench.errors import SurfaceError
+from roughbench.spectrum import self_affine
+
 FloatArray = NDArray[np.float64]
 
 MOST_POINTS = 256
@@ -72,3 +75,24 @@ class SurfaceRecord:
     parameters: Mapping[str, float]
     warnings: Sequence[str]
     source: str = ""
+
+
+def fitted_spectrum(
+    fit: Mapping[str, float] | None,
+) -> tuple[FloatArray, FloatArray] | None:
+    """Return q (1/m) and C2D (m⁴) of the self-affine law, from q0 to q1; None without one."""
+    if fit is None:
+        return None
+    try:
+        law = self_affine(
+            hurst=fit["H"],
+            q_min=fit["q0"],
+            q_rolloff=max(fit["qr"], fit["q0"]),
+            q_max=fit["q1"],
+            rms_slope=fit["slope"],
+        )
+    except SurfaceError:  # a fit may end at H = 1, which is no self-affine law
+        return None
+    q = np.repeat(law.edges, 2)[1:-1]
+    power = np.repeat(law.prefactors, 2) * q ** -np.repeat(law.exponents, 2)
+    return q, power
