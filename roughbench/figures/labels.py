@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from roughbench.figures.curves import curve_of
 from roughbench.models.registry import declared, is_theory
 from roughbench.results import ModelResult, Results
+from roughbench.units import in_words
 
 MODULUS = r"E\!^*"
 _SYMBOLS: Mapping[str, str] = {
@@ -33,6 +34,13 @@ def number_text(value: float) -> str:
     """
     digits, exponent = f"{value:.1e}".split("e")
     return rf"${digits}\times10^{{{int(exponent)}}}$"
+
+
+def pressure_text(result: ModelResult | Results, pressure: float) -> str:
+    """Return what pressure a panel is about: p/E*, or of results with units p."""
+    if result.has_units:
+        return f"$p$ = {in_words(pressure, 'Pa')}"
+    return rf"$p/{MODULUS} = {number_text(pressure).strip('$')}$"
 
 
 def experiment_label(name: str, q_min: float | None = None) -> str:
@@ -93,9 +101,13 @@ def smallest_wavevector(results: Results, experiment: str) -> float | None:
 def height_remark(results: Results) -> str:
     """Return which rms height the lengths are divided by, in words for a caption.
 
+    Empty of results with units, whose lengths are divided by none.
+
     The sum over the modes of a cell exceeds the integral over the spectrum by up to
     40 % of h_rms without a roll-off, so a figure has to name its h_rms.
     """
+    if results.has_units:
+        return ""
     from_files = {result.attributes.get("surface") == "file" for _, result in results.models()}
     words = {
         frozenset({False}): "rms height of the spectrum (continuum)",

@@ -69,10 +69,7 @@ def read_sources(paths: Sequence[Path]) -> list[ReportSource]:
         If a file is missing, damaged or none of roughbench, or is given twice.
     """
     names = names_of(paths)
-    return [
-        ReportSource(name, load(path).reduced())
-        for name, path in zip(names, paths, strict=True)
-    ]
+    return [ReportSource(name, load(path)) for name, path in zip(names, paths, strict=True)]
 
 
 def names_of(paths: Sequence[Path]) -> list[str]:

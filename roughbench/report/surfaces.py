@@ -286,7 +286,9 @@ def synthetic_table(source: ReportSource) -> ReportTable | None:
     table: list[list[TableCell]] = [
         [joined(names, "; "), *cells] for cells, names in rows.items()
     ]
-    notes = ["Drawn at random with this spectrum; lengths in one unit, that of the spec."]
+    notes = ["Drawn at random with this spectrum."]
+    if not source.results.has_units:
+        notes = ["Drawn at random with this spectrum; lengths in one unit, that of the spec."]
     return ReportTable(headings, table, notes=notes, is_numeric=False)
 
 
@@ -296,4 +298,6 @@ def _cell_of(result: ModelResult, name: str) -> str:
     value = float(result.attributes[name])
     if name.startswith("q_"):
         value = 2.0 * math.pi / value
+    if result.has_units and name not in ("hurst", "rms_slope"):
+        return in_words(value, "m", 4)
     return number(value, 4)
