@@ -9,14 +9,17 @@ PYTHON ?= $(shell for python in python3 python3.13 python3.12 python3.11 python3
 JOBS ?= $(shell nproc 2>/dev/null || echo 1)
 BIN := .venv/bin
 MINIMUM := .venv-minimum
+# Each worker begins with its own part of the tests, whose fixtures it keeps; the first that has
+# finished takes tests from the others.
+PARALLEL := -n $(JOBS) --dist worksteal
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-all test-minimum lint smoke fig1 fig2 fig3 fig4 figures paper-fig3 \
+.PHONY: help demo units test test-all test-minimum lint smoke fig1 fig2 fig3 fig4 figures paper-fig3 \
 	paper-fig4 paper-bem study study-contenders \
 	study-fields study-size study-rolloff study-below study-hurst study-cutoff \
-	study-resolution compare compare-tamaas outside-model faults bench readme-figures dist dist-check \
-	clean distclean setup setup-dev python
+	study-resolution compare compare-tamaas compare-scans outside-model preparation faults bench \
+	readme-figures dist dist-check clean distclean setup setup-dev python
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / { printf "  make %-18s%s\n", $$1, $$2 }' Makefile
@@ -47,6 +50,9 @@ endef
 
 demo: setup ## all three models on the same surfaces, and their figures: two minutes
 	$(call compute,quick,configs/quick.yaml)
+
+units: setup ## a surface and a material in physical units: ten seconds
+	$(call compute,$@,configs/$@.yaml)
 
 fig1 fig2 fig3 fig4: setup
 	$(call compute,$@,configs/$@.yaml)
@@ -83,13 +89,13 @@ study-resolution: ## the same surfaces on finer and finer grids
 ## -- checking --------------------------------------------------------------------------
 
 test: setup-dev ## unit tests and doctests, without those marked slow
-	$(BIN)/python -m pytest -n $(JOBS) -m "not slow"
+	$(BIN)/python -m pytest $(PARALLEL) -m "not slow"
 
 test-all: setup-dev ## all tests
-	$(BIN)/python -m pytest -n $(JOBS)
+	$(BIN)/python -m pytest $(PARALLEL)
 
 test-minimum: $(MINIMUM)/ready ## tests with the oldest versions of the dependencies (Python 3.11)
-	$(MINIMUM)/bin/python -m pytest -n $(JOBS) -m "not slow" -o filterwarnings=default tests/cli tests/engines \
+	$(MINIMUM)/bin/python -m pytest $(PARALLEL) -m "not slow" -o filterwarnings=default tests/cli tests/engines \
 		tests/figures tests/observables tests/planning tests/report tests/rundir tests/runner \
 		tests/spec tests/test_*.py
 
@@ -116,6 +122,14 @@ compare: setup ## the models against an independent prototype's numbers
 
 compare-tamaas: setup ## the exact solver against Tamaas, in an environment of its own
 	$(BIN)/python scripts/compare_tamaas.py
+
+compare-scans: setup-dev ## what is read from the topographies in FOLDER, against SurfaceTopography
+	@test -n "$(FOLDER)" || { echo "error: say which folder: make compare-scans" \
+		"FOLDER=/path/to/topographies" >&2; exit 1; }
+	$(BIN)/python scripts/compare_scans.py "$(FOLDER)"
+
+preparation: setup ## what the preparation of a scan does to the answer, as a table; minutes
+	$(BIN)/python scripts/preparation_effects.py
 
 faults: setup-dev ## a campaign of kills and full disks; three quarters of an hour
 	$(BIN)/python scripts/fault_campaign.py

@@ -71,6 +71,7 @@ if TYPE_CHECKING:
     from roughbench.models.style import Style
     from roughbench.results import ModelResult, Results
     from roughbench.runner import Progress, run
+    from roughbench.scans.characterization import characterize
     from roughbench.spec import Spec, load_spec
     from roughbench.store import load
 
@@ -96,6 +97,7 @@ __all__ = [
     "SurfaceError",
     "UnitError",
     "__version__",
+    "characterize",
     "load",
     "load_spec",
     "run",

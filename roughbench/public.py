@@ -18,6 +18,7 @@ LAZY: Mapping[str, str] = {
     "State": "roughbench.models.base",
     "Status": "roughbench.models.base",
     "Style": "roughbench.models.style",
+    "characterize": "roughbench.scans.characterization",
     "load": "roughbench.store",
     "load_spec": "roughbench.spec",
     "run": "roughbench.runner",

@@ -12,6 +12,7 @@ reports draw it.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -20,7 +21,7 @@ from roughbench.registry import Registry
 
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """What a variable of a results file means, and its unit: powers of length.
+    """What a variable of a results file means, and its unit: powers of length and modulus.
 
     Attributes
     ----------
@@ -30,11 +31,14 @@ class Variable:
     per_dimension : int
         Further powers for every dimension of the heights: a spectrum of a surface has another
         unit than that of a line.
+    modulus : int
+        Power of the contact modulus E*, by which values are divided without units.
     """
 
     long_name: str
     length: int = 0
     per_dimension: int = 0
+    modulus: int = 0
 
     def units(self, dimension: int = 2) -> str:
         """Return the unit; "length" is the spec's length unit, "1" is none.
@@ -44,11 +48,41 @@ class Variable:
         >>> Variable("a spectrum", per_dimension=1).units(), Variable("1/K", length=-1).units()
         ('length^2', '1/length')
         """
-        power = self.length + dimension * self.per_dimension
-        if power == 0:
-            return "1"
-        unit = "length" if abs(power) == 1 else f"length^{abs(power)}"
-        return unit if power > 0 else f"1/{unit}"
+        power = self._power(dimension)
+        return _over(_to_power("length", power), _to_power("length", -power))
+
+    def si_units(self, dimension: int = 2) -> str:
+        """Return the unit of a spec with units, as xarray's and pint's users write it.
+
+        Examples
+        --------
+        >>> [QUANTITIES[name].si_units() for name in ("area", "separation", "stiffness")]
+        ['1', 'm', 'Pa/m']
+        >>> QUANTITIES["energy"].si_units(), Variable("a spectrum", 2, modulus=2).si_units()
+        ('J/m^2', 'Pa^2*m^2')
+        """
+        power = self._power(dimension)
+        if (power, self.modulus) == (1, 1):
+            return "J/m^2"
+        moduli, lengths = _to_power("Pa", self.modulus), _to_power("m", power)
+        above = "*".join(filter(None, (moduli, lengths)))
+        below = "*".join(filter(None, (_to_power("Pa", -self.modulus), _to_power("m", -power))))
+        return _over(above, below)
+
+    def si_name(self) -> str:
+        """Return what it means without the modulus that values are divided by.
+
+        Examples
+        --------
+        >>> [one.si_name() for one in (PRESSURE, QUANTITIES["energy"], QUANTITIES["area"])]
+        ['nominal pressure p', 'elastic energy U/A0', 'real contact area A/A0']
+        """
+        if not self.modulus:
+            return self.long_name
+        return re.sub(r" ?/ ?E\*|(?<=[A0]) E\*", "", self.long_name).replace("/(A0)", "/A0")
+
+    def _power(self, dimension: int) -> int:
+        return self.length + dimension * self.per_dimension
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,8 +97,6 @@ class Quantity(Variable):
         As in "the contact area" and on an axis.
     symbol : str
         A formula of :mod:`roughbench.notation`, without dollars.
-    modulus : int
-        Power of the contact modulus E*, which is 1 without units.
     is_compared : bool
         Whether tables, fits, figures and reports show it; else it is only stored.
     is_expected : bool
@@ -82,7 +114,6 @@ class Quantity(Variable):
     name: str
     words: str
     symbol: str
-    modulus: int = 0
     is_compared: bool = True
     is_expected: bool = False
     lowest: float = 0.0
@@ -129,6 +160,33 @@ class Quantity(Variable):
         if not parts:
             return above
         return f"{above}/{parts[0]}" if len(parts) == 1 else f"{above}/({' '.join(parts)})"
+
+
+def _to_power(unit: str, power: int) -> str:
+    if power <= 0:
+        return ""
+    return unit if power == 1 else f"{unit}^{power}"
+
+
+def modulus_power_of(unit: str) -> int:
+    """Return the power of E* in a variable from its unit, as :meth:`Variable.si_units` has it.
+
+    Examples
+    --------
+    >>> [modulus_power_of(unit) for unit in ("Pa/m", "J/m^2", "Pa^2*m^2", "1/Pa", "m", "1")]
+    [1, 1, 2, -1, 0, 0]
+    """
+    found = re.fullmatch(r"(1/\(?)?(?:J|Pa(?:\^(\d+))?)(?:[*/)].*)?", unit)
+    if found is None:
+        return 0
+    power = int(found[2] or 1)
+    return -power if found[1] else power
+
+
+def _over(above: str, below: str) -> str:
+    if not below:
+        return above or "1"
+    return f"{above or 1}/({below})" if "*" in below else f"{above or 1}/{below}"
 
 
 PRESSURE = Quantity(

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import html
+import json
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -13,14 +15,18 @@ from numpy.typing import NDArray
 
 from roughbench.ensemble import STATISTICS
 from roughbench.errors import UnknownNameError
-from roughbench.quantities import compared
+from roughbench.quantities import compared, modulus_power_of
 from roughbench.spec.tree import did_you_mean
 from roughbench.surface_record import SurfaceRecord as SurfaceRecord
-from roughbench.variables import long_name_of, quantity_of, units_of
+from roughbench.units import in_words, prefix
+from roughbench.variables import long_name_of, modulus_power, quantity_of, units_of
 
 Array = NDArray[Any]
 """float64, float32, int64 or int32, as the results file knows them."""
 Attribute = str | int | float
+
+MODULUS = "contact_modulus"
+"""Attribute of results with units: E*, Pa."""
 
 MOST_LINES = 6
 """Experiments of a short text, and pressures or models of a small table."""
@@ -38,7 +44,8 @@ class ModelResult:
         Kind of the model in a spec, and its name in legends and tables.
     attributes : mapping of str to str, int or float
         ``length``, ``rms_height`` and ``rms_slope`` of the spectrum, the surface's and
-        the model's parameters.
+        the model's parameters. Of a spec with units lengths are in m, and
+        ``contact_modulus`` is E* in Pa.
     variables : mapping of str to ndarray
         Arrays by name; also ``result["area_mean"]``.
     described : mapping of str to (str, str)
@@ -88,17 +95,89 @@ class ModelResult:
     @property
     def is_random(self) -> bool:
         """Whether it looked at random heights, so that realizations differ."""
-        return "grid_points" in self.attributes and self.attributes.get("surface") != "file"
+        if self.is_measured:
+            return "drawn" in self.attributes
+        return "grid_points" in self.attributes
+
+    @property
+    def is_measured(self) -> bool:
+        """Whether its surface was measured, or its spectrum was."""
+        return self.attributes.get("surface") in ("file", "scan")
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What makes answers on its measured surface doubtful, a sentence each."""
+        try:
+            found = json.loads(str(self.attributes.get("warnings", "[]")))
+        except ValueError:
+            return ()
+        return tuple(map(str, found)) if isinstance(found, list) else ()
+
+    @property
+    def modulus(self) -> float | None:
+        """Contact modulus E*, Pa; None without units, where pressures are p/E*."""
+        found = self.attributes.get(MODULUS)
+        return None if found is None else float(found)
+
+    @property
+    def has_units(self) -> bool:
+        """Whether variables are in SI; else pressures are p/E*, lengths in any one unit."""
+        return MODULUS in self.attributes
 
     def units(self, name: str) -> str:
-        """Return the unit of a variable; "length" is the spec's length unit, "1" is none."""
+        """Return the unit of a variable: "1" is none.
+
+        With units it is one of SI, such as "Pa/m"; else "length" is the spec's length unit.
+        """
         if name in self.described:
             return self.described[name][0]
-        return units_of(name, 1 if self.attributes.get("dimension") == 1 else 2)
+        dimension = 1 if self.attributes.get("dimension") == 1 else 2
+        return units_of(name, dimension, si=self.has_units)
 
     def long_name(self, name: str) -> str:
         """Return the description of a variable in words."""
-        return self.described[name][1] if name in self.described else long_name_of(name)
+        if name in self.described:
+            return self.described[name][1]
+        return long_name_of(name, si=self.has_units)
+
+    def prefixed(self, name: str, of: str = "") -> tuple[float, str]:
+        """Return a factor and a unit that suit all values of a variable, as nm for m.
+
+        Parameters
+        ----------
+        name : str
+        of : str
+            Variable of the same unit that is shown; default: itself.
+        """
+        unit = self.units(name)
+        if not self.has_units:
+            return 1.0, unit
+        return prefix(np.ravel(self[of or name]).tolist(), unit)
+
+    def in_si(self, modulus: float) -> ModelResult:
+        """Return what was computed with E* = 1 and lengths in m as of a contact modulus.
+
+        Parameters
+        ----------
+        modulus : float
+            E*, Pa.
+        """
+        attributes = {**self.attributes, MODULUS: float(modulus)}
+        variables = dict(_Scaled(self.variables, float(modulus)))
+        return replace(self, attributes=attributes, variables=variables)
+
+    def reduced(self) -> ModelResult:
+        """Return these results without units: p/E*, K/E* and U/(A0 E*), lengths in m.
+
+        What compares models, and laws between dimensionless numbers, works with these. They
+        are themselves where there are no units.
+        """
+        if self.modulus is None:
+            return self
+        attributes = {name: one for name, one in self.attributes.items() if name != MODULUS}
+        units = {name: unit for name, (unit, _) in self.described.items()}
+        variables = _Scaled(self.variables, 1.0 / self.modulus, units)
+        return replace(self, attributes=attributes, variables=variables)
 
     def __repr__(self) -> str:
         many = f"{self.n_realizations} realization{'s' * (self.n_realizations != 1)}"
@@ -111,12 +190,18 @@ class ModelResult:
         shown = [name for name in compared() if f"{name}_mean" in self]
         pressure = np.asarray(self["pressure"], float)
         chosen = np.linspace(0, pressure.size - 1, min(MOST_LINES, pressure.size))
+        per_pascal, unit = self.prefixed("pressure")
+        scales = {name: self.prefixed(name, f"{name}_mean") for name in shown}
         rows = [
-            [f"{pressure[k]:.3g}", *(_mean(self, name, int(k)) for name in shown)]
+            [
+                f"{pressure[k] * per_pascal:.3g}",
+                *(_mean(self, name, int(k), scales[name][0]) for name in shown),
+            ]
             for k in chosen.round().astype(int)
         ]
-        words = [f"{self.long_name(name)}, {self.units(name)}" for name in shown]
-        headings = ["p/E*", *(text.removesuffix(", 1") for text in words)]
+        words = [f"{self.long_name(name)}, {scales[name][1]}" for name in shown]
+        first = f"p, {unit}" if self.has_units else "p/E*"
+        headings = [first, *(text.removesuffix(", 1") for text in words)]
         left_out = pressure.size - len(rows)
         note = f"{left_out} more pressures" if left_out else ""
         return _table(repr(self).splitlines()[0], headings, rows, note)
@@ -125,6 +210,34 @@ class ModelResult:
         """Return the variables without those that are statistics of another."""
         ends = tuple(f"_{statistic}" for statistic in STATISTICS)
         return [name for name in self.variables if not name.endswith(ends)]
+
+
+class _Scaled(Mapping[str, Array]):
+    """Variables times E* to the power that each has of it; made whenever one is asked for.
+
+    Of a variable that only its file knows, its unit tells the power.
+    """
+
+    def __init__(
+        self,
+        variables: Mapping[str, Array],
+        modulus: float,
+        units: Mapping[str, str] = MappingProxyType({}),
+    ) -> None:
+        self._variables, self._modulus, self._units = variables, modulus, units
+
+    def __getitem__(self, name: str) -> Array:
+        values = self._variables[name]
+        power = (
+            modulus_power_of(self._units[name]) if name in self._units else modulus_power(name)
+        )
+        return values * self._modulus**power if power else values
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._variables)
+
+    def __len__(self) -> int:
+        return len(self._variables)
 
 
 class Models(dict[str, ModelResult]):
@@ -191,6 +304,21 @@ class Results(Mapping[str, Mapping[str, ModelResult]]):
     def __len__(self) -> int:
         return len(self.experiments)
 
+    @property
+    def has_units(self) -> bool:
+        """Whether variables are in SI; a file has units everywhere or nowhere."""
+        return next((result.has_units for _, result in self.models()), False)
+
+    def reduced(self) -> Results:
+        """Return these results without units, see :meth:`ModelResult.reduced`."""
+        if not self.has_units:
+            return self
+        experiments = {
+            experiment: {label: result.reduced() for label, result in models.items()}
+            for experiment, models in self.experiments.items()
+        }
+        return replace(self, experiments=experiments)
+
     def models(self) -> Iterator[tuple[str, ModelResult]]:
         """Every (experiment, result), in the order of the spec."""
         for experiment, models in self.experiments.items():
@@ -254,13 +382,18 @@ def _extent(result: ModelResult) -> str:
     pressure = np.asarray(result.variables["pressure"], float)
     if pressure.size == 0:
         return "no pressures"
+    low, high = (
+        in_words(p, "Pa") if result.has_units else f"{p:.3g}"
+        for p in (pressure.min(), pressure.max())
+    )
+    symbol = "p" if result.has_units else "p/E*"
     if pressure.size == 1:
-        return f"1 pressure, p/E* = {pressure[0]:.3g}"
-    return f"{pressure.size} pressures, p/E* = {pressure.min():.3g} … {pressure.max():.3g}"
+        return f"1 pressure, {symbol} = {low}"
+    return f"{pressure.size} pressures, {symbol} = {low} … {high}"
 
 
-def _mean(result: ModelResult, name: str, k: int) -> str:
-    mean, error = float(result[f"{name}_mean"][k]), float(result[f"{name}_sem"][k])
+def _mean(result: ModelResult, name: str, k: int, factor: float) -> str:
+    mean, error = (float(result[f"{name}_{kind}"][k]) * factor for kind in ("mean", "sem"))
     return f"{mean:.4g} ± {error:.2g}" if np.isfinite(error) else f"{mean:.4g}"
 
 

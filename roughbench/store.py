@@ -30,10 +30,11 @@ from roughbench.models.base import Status
 from roughbench.outputs import ENDS, Kind, check_output
 from roughbench.program import command, program
 from roughbench.publish import put, refusals_named, written
-from roughbench.results import Array, Attribute, ModelResult, Results
+from roughbench.results import MODULUS, Array, Attribute, ModelResult, Results
 from roughbench.seal import check_seal, has_mark, seal_file
 from roughbench.signals import signals_held_back
 from roughbench.sink import Sink
+from roughbench.surface_record import DESCRIBED, PREFIX, SurfaceRecord
 from roughbench.text import on_one_line, printable, unsafe_character
 from roughbench.variables import STORABLE, compare_shape, dimensions, is_known
 
@@ -122,6 +123,7 @@ def load(path: str | os.PathLike[str]) -> Results:
             results.spec_text,
             results.spec_sha256,
             results.name,
+            results.surfaces,
         )
 
 
@@ -265,6 +267,11 @@ def _write(results: Results, target: IO[bytes]) -> None:
                         if version > file.attrs["format_version"]:
                             file.attrs.modify("format_version", version)
                     del result
+                if experiment in results.surfaces:
+                    with signals_held_back():
+                        first = parent[next(iter(models))]
+                        _write_surface(first, results.surfaces[experiment], sink)
+                        file.attrs.modify("format_version", FORMAT_VERSION)
     finally:
         sink.check()  # rather than what HDF5 makes of it
     seal_file(target)
@@ -376,6 +383,21 @@ def _write_model(group: h5py.Group, result: ModelResult, sink: Sink) -> int:
     return _version(result)
 
 
+def _write_surface(group: h5py.Group, record: SurfaceRecord, sink: Sink) -> None:
+    """Write the record of the measured surface of an experiment beside its first model."""
+    for name, value in record.attributes().items():
+        group.attrs[name] = value
+    for name, values in record.arrays().items():
+        axes, units, words = DESCRIBED[name]
+        data = group.create_dataset(name, data=values, chunks=values.shape, fletcher32=True)
+        sink.check()
+        data.attrs["units"], data.attrs["long_name"] = units, words
+        if axes == (name,):
+            data.make_scale(name)
+        elif axes[0] in group:
+            data.dims[0].attach_scale(group[axes[0]])
+
+
 def _with_scales(result: ModelResult) -> dict[str, Array]:
     """Return the variables of a model, its dimension scales first."""
     scales = {
@@ -412,17 +434,21 @@ def _read_root(file: h5py.File, source: Path) -> Results:
             f"{source}: has format version {version}, newer than {FORMAT_VERSION}; "
             "upgrade roughbench to read it"
         )
-    experiments = {
-        experiment: {
-            label: _read_model(group, label, budget)
-            for label, group in _members(models, h5py.Group, budget)
-        }
-        for experiment, models in _members(file, h5py.Group, budget)
-    }
+    experiments: dict[str, dict[str, ModelResult]] = {}
+    surfaces: dict[str, SurfaceRecord] = {}
+    for experiment, models in _members(file, h5py.Group, budget):
+        experiments[experiment] = {}
+        for label, group in _members(models, h5py.Group, budget):
+            found, record = _read_model(group, label, budget)
+            experiments[experiment][label] = found
+            if record is not None:
+                surfaces[experiment] = record
     text, sha256, name = (
         str(_attribute(file, key, budget)) for key in ("spec", "spec_sha256", "name")
     )
-    return Results(experiments, printable(text), on_one_line(sha256), on_one_line(name))
+    return Results(
+        experiments, printable(text), on_one_line(sha256), on_one_line(name), surfaces
+    )
 
 
 class _Budget:
@@ -477,13 +503,18 @@ def _check_name(name: str) -> None:
         raise ValueError(f"the name {shown!r} is none that roughbench gives")
 
 
-def _read_model(group: h5py.Group, label: str, budget: _Budget) -> ModelResult:
+def _read_model(
+    group: h5py.Group, label: str, budget: _Budget
+) -> tuple[ModelResult, SurfaceRecord | None]:
     attributes = {}
     for name in group.attrs:
         _check_name(name)
         value = _attribute(group, name, budget)
         attributes[name] = on_one_line(value) if isinstance(value, str) else value
     kind, title = str(attributes.pop("kind")), str(attributes.pop("title"))
+    modulus = attributes.get(MODULUS, 1.0)
+    if not isinstance(modulus, float) or not 0.0 < modulus < math.inf:
+        raise ValueError(f"{group.name} has the {MODULUS} {modulus!r}")
     variables: dict[str, h5py.Dataset] = {}
     described: dict[str, tuple[str, str]] = {}
     for name, data in _members(group, h5py.Dataset, budget):
@@ -498,19 +529,27 @@ def _read_model(group: h5py.Group, label: str, budget: _Budget) -> ModelResult:
         # A chunk is read whole, and may be larger than the array.
         if math.prod(data.chunks or ()) * data.dtype.itemsize > max(data.nbytes, _LEAST_CHUNK):
             raise ValueError(f"{data.name} has chunks of {data.chunks} for {data.shape}")
-        if not is_known(name) and {"units", "long_name"} <= set(data.attrs):
+        if not (is_known(name) or name in DESCRIBED) and {"units", "long_name"} <= set(
+            data.attrs
+        ):
             unit, words = (_attribute(data, key, budget) for key in ("units", "long_name"))
             described[name] = on_one_line(str(unit)), on_one_line(str(words))
         variables[name] = data
     missing = [name for name in _REQUIRED if name not in variables]
     if missing:
         raise ValueError(f"{group.name} lacks {', '.join(missing)}")
+    recorded = {name: variables.pop(name) for name in DESCRIBED if name in variables}
+    said = {name: attributes.pop(name) for name in [*attributes] if name.startswith(PREFIX)}
     _check_shapes(variables, group.name)
     for index in ("realization", "field"):
         variables.pop(index, None)
-    return ModelResult(
+    result = ModelResult(
         label, kind, title, attributes, _Stored(variables, budget.source), described
     )
+    if not recorded:
+        return result, None
+    arrays = {name: data[()] for name, data in recorded.items()}
+    return result, SurfaceRecord.of(arrays, said)
 
 
 def _attribute(owner: h5py.Group, name: str, budget: _Budget) -> Attribute:

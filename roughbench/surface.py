@@ -185,6 +185,40 @@ def make_profile(
     return heights - heights.mean()
 
 
+def make_twin(heights: FloatArray, generator: np.random.Generator) -> FloatArray:
+    """Return a surface with the waves of another, each with its amplitude and a random phase.
+
+    Its power spectrum is the same in every direction; its heights are Gaussian for many waves,
+    whatever those of the other are.
+
+    Parameters
+    ----------
+    heights : ndarray of float64, shape (n, m)
+        Periodic heights, length.
+    generator : numpy.random.Generator
+        Gives the phases of white noise, so that they belong to this grid.
+
+    Returns
+    -------
+    ndarray of float64, shape (n, m)
+        Heights with zero mean, length.
+
+    Examples
+    --------
+    >>> heights = np.cos(2 * np.pi * np.arange(16) / 16) * np.ones((8, 1))
+    >>> twin = make_twin(heights, np.random.default_rng(0))
+    >>> bool(np.allclose(mode_power(twin), mode_power(heights)))
+    True
+    """
+    modes = np.abs(np.fft.rfft2(heights))
+    modes[0, 0] = 0.0
+    noise = np.fft.rfft2(generator.standard_normal(heights.shape))
+    noise /= np.abs(noise)
+    noise *= modes
+    twin: FloatArray = np.fft.irfft2(noise, s=heights.shape)
+    return twin
+
+
 def _place_in_stream(nx: int, ny: NDArray[np.int64]) -> NDArray[np.int64]:
     """Place of mode (n_x, n_y ≥ 0) in the random stream, by square shells outwards.
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from roughbench.errors import SurfaceError
+from roughbench.spectrum import self_affine
 
 FloatArray = NDArray[np.float64]
 
@@ -33,6 +37,20 @@ class RecordedStep(NamedTuple):
     points: tuple[int, ...]
     Sq: float
     Sdq: float
+
+
+PREFIX = "surface_"
+"""Of its variables and attributes, in the group of an experiment's first model."""
+
+_ARRAYS = ("surface_map", "surface_q", "surface_psd", "surface_height", "surface_density")
+DESCRIBED = {
+    "surface_map": (("surface_y", "surface_x"), "m", "heights as pressed, thinned to a map"),
+    "surface_q": (("surface_q",), "1/m", "wavevectors of the surface's spectrum"),
+    "surface_psd": (("surface_q",), "m^4", "power spectrum C2D of the surface"),
+    "surface_height": (("surface_height",), "m", "heights"),
+    "surface_density": (("surface_height",), "1/m", "probability density of the heights"),
+}
+"""Dimensions, unit and description of its arrays in a file."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,3 +90,89 @@ class SurfaceRecord:
     parameters: Mapping[str, float]
     warnings: Sequence[str]
     source: str = ""
+
+    def arrays(self) -> dict[str, FloatArray]:
+        """Return its arrays by the names that they have in a file."""
+        found = (self.heights, *self.spectrum, *self.height_density)
+        return dict(zip(_ARRAYS, found, strict=True))
+
+    def attributes(self) -> dict[str, str | float]:
+        """Return the rest of it, as attributes of a file know it."""
+        texts = {
+            "steps": [[*step[:2], [*step.points], *step[3:]] for step in self.steps],
+            "fit": None if self.fit is None else dict(self.fit),
+            "parameters": dict(self.parameters),
+            "warnings": [*self.warnings],
+            "source": self.source,
+        }
+        found: dict[str, str | float] = {
+            f"{PREFIX}{name}": json.dumps(value, ensure_ascii=False, allow_nan=False)
+            for name, value in texts.items()
+        }
+        sides = zip(("size_y", "size_x"), self.size, strict=True)
+        return found | {f"{PREFIX}{name}": side for name, side in sides}
+
+    @classmethod
+    def of(
+        cls, arrays: Mapping[str, NDArray[Any]], attributes: Mapping[str, Any]
+    ) -> SurfaceRecord:
+        """Return the record that :meth:`arrays` and :meth:`attributes` were made of.
+
+        Raises
+        ------
+        ValueError, KeyError, TypeError
+            If they were not.
+        """
+        heights, q, psd, height, density = (
+            np.asarray(arrays[name], np.float64) for name in _ARRAYS
+        )
+        if heights.ndim != 2 or q.shape != psd.shape or height.shape != density.shape:
+            raise ValueError("the record of the surface has arrays of other shapes")
+        said = {
+            name: json.loads(str(attributes[f"{PREFIX}{name}"]))
+            for name in ("steps", "fit", "parameters", "warnings", "source")
+        }
+        steps = tuple(
+            RecordedStep(str(name), str(text), (*map(int, points),), float(Sq), float(Sdq))
+            for name, text, points, Sq, Sdq in said["steps"]
+        )
+        fit = said["fit"]
+        return cls(
+            heights=heights,
+            size=(
+                float(attributes[f"{PREFIX}size_y"]),
+                float(attributes[f"{PREFIX}size_x"]),
+            ),
+            spectrum=(q, psd),
+            fit=None if fit is None else _numbers(fit),
+            height_density=(height, density),
+            steps=steps,
+            parameters=_numbers(said["parameters"]),
+            warnings=tuple(map(str, said["warnings"])),
+            source=str(said["source"]),
+        )
+
+
+def _numbers(values: Mapping[str, Any]) -> dict[str, float]:
+    return {str(name): float(value) for name, value in values.items()}
+
+
+def fitted_spectrum(
+    fit: Mapping[str, float] | None,
+) -> tuple[FloatArray, FloatArray] | None:
+    """Return q (1/m) and C2D (m⁴) of the self-affine law, from q0 to q1; None without one."""
+    if fit is None:
+        return None
+    try:
+        law = self_affine(
+            hurst=fit["H"],
+            q_min=fit["q0"],
+            q_rolloff=max(fit["qr"], fit["q0"]),
+            q_max=fit["q1"],
+            rms_slope=fit["slope"],
+        )
+    except SurfaceError:  # a fit may end at H = 1, which is no self-affine law
+        return None
+    q = np.repeat(law.edges, 2)[1:-1]
+    power = np.repeat(law.prefactors, 2) * q ** -np.repeat(law.exponents, 2)
+    return q, power

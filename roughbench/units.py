@@ -49,6 +49,9 @@ _MEANINGS: dict[Dimension, _Meaning] = {
     ),
 }
 
+EXAMPLES: dict[Dimension, str] = {name: one.example for name, one in _MEANINGS.items()}
+SI: dict[Dimension, str] = {name: one.unit for name, one in _MEANINGS.items()}
+
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _WORD = r"[^\W\d_]+(?:_[^\W\d_]+)*"
 _POWER = r"(?:\s*(?:\^|\*\*)\s*[+-]?\d\b|⁻?[¹²³⁴])?"
@@ -158,6 +161,17 @@ def _unreadable(value: str, dimension: Dimension, example: str) -> str:
         return f"can be read in two ways, got {value!r}; write one number: {meant}"
     shown = value if len(value) <= _LONGEST else f"{value[:_LONGEST]}…"
     return f"must be one number and its unit, such as '{example}', got {shown!r}"
+
+
+def begins_with_number(text: str) -> bool:
+    """Return whether a text begins with a number that something follows.
+
+    Examples
+    --------
+    >>> begins_with_number("1 / 10 um"), begins_with_number("high"), begins_with_number("2.5")
+    (True, False, False)
+    """
+    return re.match(rf"\s*{_NUMBER}\s*[^\s\d.]", text) is not None
 
 
 def is_quantity(value: object) -> bool:
@@ -271,10 +285,12 @@ def in_words(value: float, unit: str, digits: int = 3) -> str:
     --------
     >>> in_words(12.34e-9, "m"), in_words(999999.6, "Pa"), in_words(0.0, "Pa")
     ('12.3 nm', '1 MPa', '0 Pa')
-    >>> in_words(0.25, "1")
-    '0.25'
+    >>> in_words(0.25, "1"), in_words(6.28e5, "1/m")
+    ('0.25', '628 / mm')
     """
     rounded = float(f"{value:.{digits}g}")
     factor, prefixed = prefix([rounded], unit)
     shown = f"{rounded * factor:.{max(digits, 3)}g}"
+    if prefixed.startswith("1/"):
+        return f"{shown} / {prefixed[2:]}"
     return shown if prefixed == "1" else f"{shown} {prefixed}"

@@ -25,12 +25,15 @@ STATES: Axes = ("realization", "pressure")
 _AT_POINTS: Axes = ("field", "y", "x")
 _FIELDS: dict[str, tuple[Axes, Variable]] = {
     "field_realization": (("field",), Variable("realization of the field")),
-    "field_nominal_pressure": (("field",), Variable("nominal pressure p/E* of the field")),
+    "field_nominal_pressure": (
+        ("field",),
+        Variable("nominal pressure p/E* of the field", modulus=1),
+    ),
     "field_status": (
         ("field",),
         Variable("how the computation of the field's state ended"),
     ),
-    "field_pressure": (_AT_POINTS, Variable("contact pressure / E* at every point")),
+    "field_pressure": (_AT_POINTS, Variable("contact pressure / E* at every point", modulus=1)),
     "field_gap": (_AT_POINTS, Variable("gap at every point", length=1)),
 }
 FIELD_VARIABLES = tuple(_FIELDS)
@@ -58,7 +61,7 @@ def _of_quantities() -> Iterator[tuple[str, Axes, Variable]]:
         yield from _summaries(name, ("pressure",), quantity, tuple(STATISTICS))
         if quantity.has_harmonic_mean:
             words = f"harmonic mean of the {quantity.long_name}"
-            yield f"{name}_harmonic", ("pressure",), Variable(words, quantity.length)
+            yield f"{name}_harmonic", ("pressure",), _renamed(quantity, words)
 
 
 def _of_observable(observable: Observable) -> Iterator[tuple[str, Axes, Variable]]:
@@ -85,7 +88,7 @@ def _summaries(
 
 
 def _renamed(variable: Variable, long_name: str) -> Variable:
-    return Variable(long_name, variable.length, variable.per_dimension)
+    return Variable(long_name, variable.length, variable.per_dimension, variable.modulus)
 
 
 @functools.cache
@@ -208,7 +211,22 @@ def compare_shape(
     return wanted == tuple(shape), wanted
 
 
-def units_of(name: str, dimension: int = 2) -> str:
+def _variable(name: str) -> Variable:
+    return _known().get(name, (STATES, Variable(name.replace("_", " "))))[1]
+
+
+def modulus_power(name: str) -> int:
+    """Return which power of E* the values of a variable are divided by without units.
+
+    Examples
+    --------
+    >>> modulus_power("stiffness_mean"), modulus_power("separation"), modulus_power("status")
+    (1, 0, 0)
+    """
+    return _variable(name).modulus
+
+
+def units_of(name: str, dimension: int = 2, *, si: bool = False) -> str:
     """Return the unit of a variable; "length" is the spec's length unit, "1" is none.
 
     Parameters
@@ -216,14 +234,18 @@ def units_of(name: str, dimension: int = 2) -> str:
     name : str
     dimension : int
         Of the heights: the spectra of a line have another unit than those of a surface.
+    si : bool
+        Of a spec with units.
 
     Examples
     --------
     >>> units_of("separation_sem"), units_of("stress_spectrum"), units_of("stress_spectrum", 1)
     ('length', 'length^2', 'length')
+    >>> units_of("stiffness", si=True), units_of("stress_spectrum", si=True)
+    ('Pa/m', 'Pa^2*m^2')
     """
-    _, variable = _known().get(name, (STATES, Variable(name)))
-    return variable.units(dimension)
+    variable = _variable(name)
+    return variable.si_units(dimension) if si else variable.units(dimension)
 
 
 def quantity_of(name: str) -> str | None:
@@ -240,13 +262,16 @@ def quantity_of(name: str) -> str | None:
     return name if name in QUANTITIES else None
 
 
-def long_name_of(name: str) -> str:
-    """Return the description of a variable in words.
+def long_name_of(name: str, *, si: bool = False) -> str:
+    """Return the description of a variable in words; ``si``: of a spec with units.
 
     Examples
     --------
     >>> long_name_of("area_mean"), long_name_of("transform_pairs")
     ('real contact area A/A0, mean', 'transform pairs')
+    >>> long_name_of("stiffness_sem"), long_name_of("stiffness_sem", si=True)
+    ('contact stiffness K/E*, standard error of the mean',
+     'contact stiffness K, standard error of the mean')
     """
-    _, variable = _known().get(name, (STATES, Variable(name.replace("_", " "))))
-    return variable.long_name
+    variable = _variable(name)
+    return variable.si_name() if si else variable.long_name

@@ -256,6 +256,8 @@ def start(output: Path, engine: list[str], limit: int | None) -> subprocess.Pope
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        # Of bytecode a limit would leave half a file, which later runs would stumble on.
+        env=os.environ | {"PYTHONDONTWRITEBYTECODE": "1"},
         preexec_fn=restrict,  # noqa: PLW1509, RUF100  (no threads here)
     )
 

@@ -46,6 +46,15 @@ test -s "$folder/figures/contact.png"
 test -s "$folder/figures/foundation.pdf"
 test -s "$folder/seen/surface.qr=4.0-bem-stress_spectrum.csv"
 
+# Units: the same in SI, and as a person would write it.
+roughbench run configs/units.yaml --threads 1 -o "$folder/units.h5" --quiet
+roughbench show "$folder/units.h5" | grep -F "p [MPa]"
+roughbench fit "$folder/units.h5" --resamples 20 | grep -F "from p [MPa]"
+roughbench export "$folder/units.h5" --csv "$folder/units"
+grep -F "stiffness_mean [Pa/m]" "$folder/units/surface.rolloff=10um-bem.csv"
+roughbench report "$folder/units.h5" -o "$folder/units.html" --resamples 20
+roughbench plot "$folder/units.h5" -o "$folder/units"
+
 # A fault ends with its documented exit code and one message.
 code=0
 roughbench run configs/smoke.yaml --set surface.H=2 -o "$folder/none.h5" 2> "$folder/fault" \

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from collections.abc import Iterator
 from typing import Any
@@ -22,10 +23,27 @@ def floating_point_errors_raise() -> Iterator[None]:
 
 @pytest.fixture(scope="session", autouse=True)
 def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Keep what the tests plan and measure out of the user's cache, and that out of them."""
+    """Keep what the tests plan and measure out of the user's cache, and that out of them.
+
+    All workers of pytest-xdist share one: to plan the transforms of long lines takes minutes.
+    Where Python shall write no bytecode, processes that tests start share some there, rather
+    than to compile roughbench again in each.
+    """
+    folder = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        folder = folder.parent
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("ROUGHBENCH_CACHE", str(tmp_path_factory.mktemp("cache")))
+        patch.setenv("ROUGHBENCH_CACHE", str(folder / "own-cache"))
+        if "PYTHONDONTWRITEBYTECODE" in os.environ:
+            patch.delenv("PYTHONDONTWRITEBYTECODE")
+            patch.setenv("PYTHONPYCACHEPREFIX", str(folder / "bytecode"))
         yield
+
+
+@pytest.fixture
+def no_bytecode(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let processes write no bytecode: with a limit on files Python would keep half of it."""
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -77,7 +77,7 @@ OWNERS = {
     "numba": {"models"},
     "pint": {"units"},
     "pydantic": {"models", "spec"},
-    "pydantic_core": {"spec"},
+    "pydantic_core": {"models", "spec"},
     "pyfftw": {"transform"},
     "scipy": {"fits", "models", "observables", "scans"},
     "threadpoolctl": {"engines"},

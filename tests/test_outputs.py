@@ -203,7 +203,7 @@ def test_heights_are_never_replaced_not_even_those_in_results(folder: Path) -> N
     model = type(persson)("p", "persson", "P", persson.attributes, shape)
     write_results(type(results)({"main": {"p": model}}, "", "", "h"), folder / "h.h5")
     (folder / "h.yaml").write_text(
-        "surface: {kind: file, path: 'h.h5:/main/p/area', length: 1.0}\n"
+        "surface: {kind: file, path: 'h.h5:/main/p/area', length: 10.0}\n"
         "pressures: [0.1]\nmodels: [{kind: bem}]\n"
     )
     before = (folder / "h.h5").read_bytes()

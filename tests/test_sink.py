@@ -77,6 +77,7 @@ except StoreError as error:
 """
 
 
+@pytest.mark.usefixtures("no_bytecode")
 @pytest.mark.parametrize("size", [100, 5_000, 60_000])
 def test_a_limit_on_files_leaves_the_old_one(tmp_path: Path, size: int) -> None:
     path = write_results(results(), tmp_path / "r.h5")

@@ -70,12 +70,21 @@ def test_one_buffer_of_the_right_shapes(dtype: type, _error: float) -> None:
 
 @pytest.mark.parametrize(("dtype", "error"), PRECISIONS)
 @pytest.mark.parametrize(
-    ("shape", "threads"), [((512, 300), 2), ((401, 403), 3), ((2, 70000), 2)]
+    ("shape", "threads", "fewest"),
+    [((512, 300), 2, FEWEST_POINTS), ((401, 43), 3, 17_000), ((2, 7000), 2, 14_000)],
 )
 def test_threads_share_the_work_on_large_fields(
-    shape: tuple[int, int], threads: int, dtype: type, error: float, rng: np.random.Generator
+    shape: tuple[int, int],
+    threads: int,
+    fewest: int,
+    dtype: type,
+    error: float,
+    rng: np.random.Generator,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    assert shape[0] * shape[1] >= FEWEST_POINTS
+    """To plan long odd lines takes long: of these shapes less is called large."""
+    monkeypatch.setattr(transform_module, "FEWEST_POINTS", fewest)
+    assert shape[0] * shape[1] >= fewest
     transform = RealTransform(shape, dtype, threads)
     values: NDArray[np.floating] = rng.standard_normal(shape).astype(dtype)
     transform.real[...] = values

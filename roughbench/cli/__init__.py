@@ -33,6 +33,7 @@ from roughbench.text import on_one_line, printable, suggestion
 
 COMMANDS = (
     "init",
+    "characterize",
     "run",
     "status",
     "verify",

@@ -36,7 +36,8 @@ def command(results: Path, folder: Path, states: bool) -> None:  # noqa: FBT001
 
     DIR/EXPERIMENT-MODEL.csv holds the averages over the realizations, one row a pressure,
     and DIR/EXPERIMENT-MODEL-OBSERVABLE.csv those of an observable, one row a pressure and
-    bin. The header has the units: 1 is none, length the spec's length unit. Fields that are
+    bin. The header has the units: 1 is none, length the spec's length unit; of a spec
+    with units they are those of SI. Fields that are
     kept are not exported. Prints the paths of the files. Letters that file names should not
     have are written as %XX, long names are shortened, and equal ones numbered.
     """

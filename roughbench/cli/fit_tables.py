@@ -9,7 +9,7 @@ import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 
 from roughbench.fits import Estimate, reference_of
-from roughbench.fits.tables import Table, departure_tables, law_tables
+from roughbench.fits.tables import Table, departure_tables, law_tables, with_pressures
 from roughbench.results import ModelResult, Results
 from roughbench.verdict.trust import ContenderTrust, Trust
 
@@ -50,7 +50,7 @@ def as_text(
     blocks = [heading]
     for experiment, models in fitted.items():
         kept = dict(results[experiment])
-        blocks.append("\n".join([f"== {experiment} ==", *_laws(models)]))
+        blocks.append("\n".join([f"== {experiment} ==", *_laws(models, _modulus(kept))]))
         label = reference_of(kept, reference)
         others = [name for name in models if name != label]
         if label is not None and others:
@@ -61,9 +61,15 @@ def as_text(
     return "\n\n".join(blocks)
 
 
-def _laws(models: Mapping[str, Names]) -> Iterator[str]:
+def _modulus(results: Mapping[str, ModelResult]) -> float | None:
+    """Return E*, Pa, of the models of an experiment; None without units."""
+    return next(result.modulus for result in results.values())
+
+
+def _laws(models: Mapping[str, Names], modulus: float | None) -> Iterator[str]:
     width = max(len(label) for label in models)
-    for number, table in enumerate(law_tables(models)):
+    tables, _ = with_pressures([*law_tables(models)], modulus)
+    for number, table in enumerate(tables):
         if number:
             yield ""
         if table.title:
@@ -77,9 +83,11 @@ def _departures(
     others: Sequence[str],
     reference: str,
 ) -> Iterator[str]:
-    yield f"p/E* between which a model agrees with {reference} ({results[reference].title})"
+    tables, pressures = with_pressures([*departure_tables(models, others)], _modulus(results))
+    title = results[reference].title
+    yield f"{pressures} between which a model agrees with {reference} ({title})"
     width = max(len(label) for label in models)
-    for table in departure_tables(models, others):
+    for table in tables:
         start, end = table.headings
         yield from _lines(width, (f"{table.title}: {start}", end), table)
 
@@ -130,11 +138,14 @@ def to_json(
 ) -> str:
     """Return all fits, and where each model can be trusted, as strict JSON.
 
-    What is not defined is null.
+    What is not defined is null. Pressures are p/E*; of results with units E*, in Pa, stands
+    beside them, and lengths are in m.
     """
+    moduli = {name: _modulus(models) for name, models in results.items() if results.has_units}
     content = {
         "name": results.name,
         "spec_sha256": results.spec_sha256,
+        **({"contact_modulus": moduli} if moduli else {}),
         "resamples": resamples,
         "references": {
             name: reference_of(dict(models), reference) for name, models in results.items()

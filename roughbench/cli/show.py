@@ -24,11 +24,13 @@ def command(results: Path, as_json: bool) -> None:  # noqa: FBT001
 
     Tables show mean ± standard error over the realizations. Lengths are
     divided by h_rms, the rms height of the spectrum (continuum); for heights from a file
-    it is theirs. States that did not converge are left out; n counts the realizations
-    that did.
+    it is theirs. Of a spec with units, pressures, lengths and stiffnesses have theirs, such
+    as kPa, nm and MPa/nm. States that did not converge are left out; n counts the
+    realizations that did.
 
     JSON has no infinity and no nan: the stiffness at full contact is the string "inf",
-    and what is not defined is null.
+    and what is not defined is null. Units stand beside the variables; with units they
+    are those of SI.
     """
     from roughbench.cli.tables import as_text, to_json
     from roughbench.store import opened

@@ -8,7 +8,7 @@ import json
 import math
 import re
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -17,7 +17,8 @@ from roughbench.observables import OBSERVABLES
 from roughbench.observables.described import PREFIX, described
 from roughbench.outputs import Kind
 from roughbench.quantities import PRESSURE, Quantity, compared
-from roughbench.results import Array, Attribute, ModelResult, Results
+from roughbench.results import MODULUS, Array, Attribute, ModelResult, Results
+from roughbench.units import in_words, prefix
 from roughbench.variables import STATES, dimensions
 
 _OF_SURFACE = (
@@ -36,7 +37,14 @@ _OF_SURFACE = (
 _OF_FIELDS = {"dimension", *(name for one in OBSERVABLES.values() for name in one.attributes)}
 TABLE = Kind("table", lambda head, _: re.match(rb"(\w+ \[[^]\n]*\],?)+\n", head) is not None)
 """CSV: recognized by its first line, which has nothing but names with units."""
-_NOT_OPTIONS = {*_OF_SURFACE, *_OF_FIELDS, "rms_height", "grid_points"}
+_NOT_OPTIONS = {
+    *(*_OF_SURFACE, *_OF_FIELDS),
+    *("rms_height", "grid_points", "grid_columns", "warnings", MODULUS),
+}
+_HELD = "\xa0"
+"""A space within a number and its unit, where no line breaks."""
+_SI = {"length": "m", "q_min": "1/m", "q_rolloff": "1/m", "q_max": "1/m"}
+"""Units of a surface's parameters in a spec with units."""
 
 
 def as_text(results: Results, source: str) -> str:
@@ -49,22 +57,52 @@ def as_text(results: Results, source: str) -> str:
         Name of the file, for the title.
     """
     blocks = [f"{source}: {results.name} (spec sha256 {results.spec_sha256[:12]})"]
+    prefixes = prefixes_of(results)
     for experiment, models in results.items():
         for number, result in enumerate(models.values()):
             if number == 0:
                 blocks.append("\n".join([f"== {experiment} ==", *_surface_lines(result)]))
-            blocks.append("\n".join(_model_lines(result)))
+            blocks.append("\n".join(_model_lines(result, prefixes)))
     return "\n\n".join(blocks)
 
 
+def prefixes_of(results: Results) -> dict[str, tuple[float, str]]:
+    """Return factor and prefixed unit of each column: the same in all tables of a file.
+
+    Empty for results without units. Dimensionless columns have none.
+    """
+    columns: dict[str, list[float]] = {}
+    units: dict[str, str] = {}
+    for _, result in results.models() if results.has_units else ():
+        for name in ("pressure", *(f"{name}_mean" for name in compared())):
+            if name in result and result.units(name) != "1":
+                quantity = name.removesuffix("_mean")
+                columns.setdefault(quantity, []).extend(result[name].tolist())
+                units[quantity] = result.units(name)
+    return {name: prefix(values, units[name]) for name, values in columns.items()}
+
+
 def _surface_lines(result: ModelResult) -> Iterator[str]:
-    given = result.attributes
+    given = dict(result.attributes)
+    height = f"{given['rms_height']:.6g}"
+    if result.has_units:
+        height = in_words(float(given["rms_height"]), "m", 6)
+        given |= {
+            name: in_words(float(given[name]), unit, 6).replace(" ", _HELD)
+            for name, unit in _SI.items()
+            if name in given
+        }
     yield from _listed({name: given[name] for name in _OF_SURFACE if name in given})
-    origin = "of the heights" if given["surface"] == "file" else "of the spectrum, continuum"
-    yield f"h_rms = {given['rms_height']:.6g} ({origin})"
+    origin = "of the heights" if result.is_measured else "of the spectrum, continuum"
+    yield f"h_rms = {height} ({origin})"
+    if result.modulus is not None:
+        yield f"E* = {in_words(result.modulus, 'Pa', 6)}"
+    yield from (f"warning: {text}" for text in result.warnings)
 
 
-def _model_lines(result: ModelResult) -> Iterator[str]:
+def _model_lines(
+    result: ModelResult, prefixes: Mapping[str, tuple[float, str]]
+) -> Iterator[str]:
     many = "s" * (result.n_realizations > 1)
     yield f"{result.label}: {result.title}, {result.n_realizations} realization{many}"
     own = described(result.attributes)
@@ -82,12 +120,15 @@ def _model_lines(result: ModelResult) -> Iterator[str]:
     shown = [
         one for one in compared().values() if one.is_expected or f"{one.name}_mean" in result
     ]
-    headings = (f"  {plain(quantity.scaled):^20}" for quantity in shown)
-    yield f"{plain(PRESSURE.scaled):>10}{''.join(headings)}    n"
-    columns = [_column(result, quantity) for quantity in shown]
+    headings = (f"  {_heading(result, quantity, prefixes):^20}" for quantity in shown)
+    yield f"{_heading(result, PRESSURE, prefixes):>10}{''.join(headings)}    n"
+    columns = [_column(result, quantity, prefixes) for quantity in shown]
     for i, pressure in enumerate(result["pressure"]):
         cells = "".join(f"  {column[i]:20}" for column in columns)
-        yield f"{pressure:10.3e}{cells}{result['n_converged'][i]:5d}"
+        first = f"{pressure:10.3e}"
+        if result.has_units:
+            first = f"{pressure * prefixes['pressure'][0]:10.6g}"
+        yield f"{first}{cells}{result['n_converged'][i]:5d}"
     if result.n_unconverged:
         yield (
             f"{result.n_unconverged} of {result.n_states} states did not converge; "
@@ -100,16 +141,37 @@ def _listed(values: dict[str, Attribute]) -> list[str]:
         f"{name} {value:.6g}" if isinstance(value, float) else f"{name} {value}"
         for name, value in values.items()
     )
-    return textwrap.wrap(", ".join(parts), 88, initial_indent="  ", subsequent_indent="  ")
+    text = ", ".join(parts)
+    lines = textwrap.wrap(text, 88, initial_indent="  ", subsequent_indent="  ")
+    return [line.replace(_HELD, " ") for line in lines]
 
 
-def _column(result: ModelResult, quantity: Quantity) -> list[str]:
+def _heading(
+    result: ModelResult, quantity: Quantity, prefixes: Mapping[str, tuple[float, str]]
+) -> str:
+    """Return how a column is called: with its unit; without units, lengths are in h_rms."""
+    if not result.has_units:
+        return plain(quantity.scaled)
+    symbol = plain(quantity.symbol)
+    return f"{symbol} [{prefixes[quantity.name][1]}]" if quantity.name in prefixes else symbol
+
+
+def _column(
+    result: ModelResult, quantity: Quantity, prefixes: Mapping[str, tuple[float, str]]
+) -> list[str]:
     """Return the means of a quantity with their errors, a text for each pressure."""
-    if f"{quantity.name}_mean" not in result:
+    name = quantity.name
+    if f"{name}_mean" not in result:
         return ["not given"] * len(result["pressure"])
-    unit = quantity.unit(float(result.attributes["rms_height"]))
-    mean, sem = (result[f"{quantity.name}_{kind}"] / unit for kind in ("mean", "sem"))
-    return [_with_error(*pair, quantity.digits) for pair in zip(mean, sem, strict=True)]
+    mean, sem = result[f"{name}_mean"], result[f"{name}_sem"]
+    if name in prefixes:
+        factor = prefixes[name][0]
+        return [_in_unit(m * factor, e * factor) for m, e in zip(mean, sem, strict=True)]
+    unit = (
+        quantity.unit(float(result.attributes["rms_height"])) if not result.has_units else 1.0
+    )
+    pairs = zip(mean / unit, sem / unit, strict=True)
+    return [_with_error(*pair, quantity.digits) for pair in pairs]
 
 
 def _with_error(mean: float, sem: float, digits: int) -> str:
@@ -119,6 +181,14 @@ def _with_error(mean: float, sem: float, digits: int) -> str:
         return f"{'inf':>10}"
     value = f"{mean:10.{digits - 1}e}"
     return value if math.isnan(sem) else f"{value} ± {sem:.1e}"
+
+
+def _in_unit(mean: float, sem: float) -> str:
+    """Write a number whose unit has a fitting prefix."""
+    if not math.isfinite(mean):
+        return _with_error(mean, sem, 1)
+    value = f"{mean:10.4g}"
+    return value if math.isnan(sem) else f"{value} ± {sem:.2g}"
 
 
 def to_json(results: Results) -> Iterator[str]:
@@ -184,7 +254,7 @@ def summary_csv(result: ModelResult) -> str:
     """Return the averaged curves of one model as CSV, one row a pressure.
 
     The header names each variable with its unit in brackets: "1" is none, "length" the
-    spec's length unit.
+    spec's length unit. Of a spec with units it is that of SI, without prefix.
     """
     names = [name for name in result if dimensions(name, result[name].ndim) == ("pressure",)]
     return _csv(result, {name: result[name] for name in names})

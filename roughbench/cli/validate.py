@@ -30,7 +30,7 @@ def command(ctx: click.Context, specs: tuple[Path, ...]) -> None:
     """
     from roughbench.cli import EXIT_INVALID
     from roughbench.errors import SpecError, SurfaceError
-    from roughbench.runner import check, plan
+    from roughbench.runner import check, plan, warnings
     from roughbench.spec import load_spec
 
     valid = True
@@ -42,9 +42,12 @@ def command(ctx: click.Context, specs: tuple[Path, ...]) -> None:
             click.echo(str(error), err=True)
             valid = False
         except SurfaceError as error:
-            click.echo(f"{spec}: error: {error}", err=True)
+            for line in str(error).splitlines():
+                click.echo(f"{spec}: error: {line}", err=True)
             valid = False
         else:
+            for text in warnings(cells):
+                click.echo(f"{spec}: warning: {text}", err=True)
             click.echo(f"{spec}: valid; {_content(cells)}")
     ctx.exit(0 if valid else EXIT_INVALID)
 
@@ -54,4 +57,16 @@ def _content(cells: list[Cell]) -> str:
     states = sum(cell.n_states for cell in cells)
     models = ", ".join(dict.fromkeys(cell.model.name for cell in cells))
     many = "s" * (len(experiments) > 1)
-    return f"{len(experiments)} experiment{many}, {models}, {states} states"
+    return f"{len(experiments)} experiment{many}, {models}, {states} states{_units(cells)}"
+
+
+def _units(cells: list[Cell]) -> str:
+    """Return contact moduli and pressures of specs with units."""
+    from roughbench.units import in_words
+
+    moduli = sorted({cell.modulus for cell in cells if cell.modulus is not None})
+    if not moduli:
+        return ""
+    pressures = [p * (cell.modulus or 1.0) for cell in cells for p in cell.pressures]
+    ends = " … ".join(in_words(p, "Pa") for p in (min(pressures), max(pressures)))
+    return f"; E* = {', '.join(in_words(value, 'Pa') for value in moduli)}, p = {ends}"

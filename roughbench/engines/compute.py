@@ -111,8 +111,7 @@ def _compute_row(
 ) -> tuple[Block, dict[int, Fields]]:
     """Return the variables of one realization, and the fields that are kept of it."""
     cell, pressures = task.cell, task.pressure_array()
-    digest = cell.heights.digest if cell.heights is not None else ""
-    sample = make_sample(cell.surface, cell.model, cell.seed, realization, digest)
+    sample = make_sample(cell.surface, cell.model, cell.seed, realization, cell.heights)
     observer = Observer(task, realization, sample)
     if cell.model.is_vectorized and observer.is_idle:
         # Cheap states are worth no word each, unless someone looks at them.

@@ -25,7 +25,8 @@ from roughbench.planning.plan import Cell, Task
 from roughbench.planning.samples import rms_of
 from roughbench.results import Array, Attribute
 from roughbench.source_files import blamed
-from roughbench.spec import SelfAffineSurface
+from roughbench.spec import ScanSurface, SelfAffineSurface
+from roughbench.spectrum import Spectrum
 from roughbench.variables import bins_of, describe_observable
 
 _PRESSURE, _GAP = "field_pressure.", "field_gap."
@@ -218,5 +219,9 @@ def described(cell: Cell) -> dict[str, tuple[str, str]]:
 
 def _origin(cell: Cell) -> Origin:
     surface = cell.surface
-    spectrum = surface.spectrum() if isinstance(surface, SelfAffineSurface) else None
+    if isinstance(surface, SelfAffineSurface):
+        spectrum: Spectrum | None = surface.spectrum()
+    else:
+        known = isinstance(surface, ScanSurface) or cell.is_random
+        spectrum = cell.heights.spectrum if known and cell.heights is not None else None
     return Origin(spectrum, cell.model.dimension, cell.pressures)

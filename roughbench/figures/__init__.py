@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from roughbench.errors import StoreError
-from roughbench.figures import contact, fig3, foundation, spectrum, stiffness
+from roughbench.figures import contact, fig3, foundation, measured, spectrum, stiffness
 from roughbench.figures.agreement import Agreement, departures
 from roughbench.figures.observed import ObservableFigure, unknown_observables
 from roughbench.figures.quantity import QuantityFigure
@@ -63,10 +63,11 @@ _OF_FIELDS: Mapping[str, Recipe] = {
 _MORE = {name: QuantityFigure(name) for name in compared() if name not in _PAPER}
 
 FIGURES: Mapping[str, Recipe] = Registry(
-    "roughbench.figures", {**_PAPER, **_MORE, **_OF_FIELDS}
+    "roughbench.figures", {"surface": measured, **_PAPER, **_MORE, **_OF_FIELDS}
 )
-"""Name → recipe: the paper's Figs. 1, 2, 3(a), 3(b), 4, and both halves of Fig. 3; further
-quantities; each observable, and the fields that are kept; those that other packages declare."""
+"""Name → recipe: the measured surface; the paper's Figs. 1, 2, 3(a), 3(b), 4, and both halves
+of Fig. 3; further quantities; each observable, and the fields that are kept; those that other
+packages declare."""
 
 
 def available(results: Results) -> list[str]:

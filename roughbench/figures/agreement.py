@@ -29,6 +29,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from roughbench.figures.axes import BARE, Axes
 from roughbench.figures.curves import curve_of
 from roughbench.fits.windows import Part, part_between, widest_run
 from roughbench.results import ModelResult, Results
@@ -130,16 +131,22 @@ def departures(results: Results, factor: float = FACTOR) -> dict[str, Agreement 
         By experiment; None where one of the two is missing, or their pressures differ.
         Of several models of one kind the first counts.
     """
-    return {name: agreement_in(results, name, factor) for name in results}
+    reduced = results.reduced()
+    return {name: agreement_in(reduced, name, factor) for name in reduced}
 
 
-def agreement_in(results: Results, experiment: str, factor: float) -> Agreement | None:
-    """Return where foundation and theory agree in one experiment (see departures)."""
+def agreement_in(
+    results: Results, experiment: str, factor: float, shown: Axes = BARE
+) -> Agreement | None:
+    """Return where foundation and theory agree in one experiment (see departures).
+
+    Pressures are those that axes show.
+    """
     popov = _first(results, experiment, "foundation")
     persson = _first(results, experiment, "persson")
     if popov is None or persson is None:
         return None
-    curve, reference = curve_of(popov, "stiffness"), curve_of(persson, "stiffness")
+    curve, reference = (curve_of(one, "stiffness", shown) for one in (popov, persson))
     if not np.array_equal(curve.pressure, reference.pressure):
         return None
     return agreement(curve.pressure, curve.value, reference.value, factor)

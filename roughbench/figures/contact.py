@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.figures.labels import MODULUS, experiment_labels, number_text, titles
+from roughbench.figures.labels import MODULUS, experiment_labels, pressure_text, titles
 from roughbench.figures.style import footnote, new_figure
 from roughbench.results import Results
 
@@ -67,7 +67,7 @@ def _groups(results: Results) -> Iterator[tuple[str, list[ContactMap]]]:
         for label, result in models.items():
             if "field_pressure" not in result:
                 continue
-            slope = float(result.attributes["rms_slope"])
+            slope = float(result.attributes["rms_slope"]) * (result.modulus or 1.0)
             for r, p, field in zip(
                 result["field_realization"].tolist(),
                 result["field_nominal_pressure"].tolist(),
@@ -77,8 +77,8 @@ def _groups(results: Results) -> Iterator[tuple[str, list[ContactMap]]]:
                 found.setdefault((r, p), []).append(ContactMap(names[label], field / slope))
         for (r, p), maps in sorted(found.items(), key=lambda group: group[0]):
             words = [labels[experiment], f"realization {r}" if r else ""]
-            pressure = number_text(p).strip("$")
-            yield "\n".join(filter(None, [rf"$p/{MODULUS} = {pressure}$", *words])), maps
+            pressure = pressure_text(results, p)
+            yield "\n".join(filter(None, [pressure, *words])), maps
 
 
 def contact_maps(groups: Mapping[str, Sequence[ContactMap]]) -> Figure:

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from roughbench.figures.axes import BARE, Axes, axes_of
 from roughbench.figures.styles import style_of
-from roughbench.quantities import QUANTITIES
 from roughbench.results import ModelResult, Results
 
 FloatArray = NDArray[np.float64]
@@ -22,9 +22,9 @@ class DrawnCurve:
     Attributes
     ----------
     pressure : ndarray of float64, shape (P,)
-        p/E*.
+        As the axis shows it: p/E*, or in its unit.
     value : ndarray of float64, shape (P,)
-        Dimensionless mean, or median; inf at full contact (stiffness).
+        Mean, or median, likewise; inf at full contact (stiffness).
     lower, upper : ndarray of float64, shape (P,)
         Mean ± its standard error, or the 16 % and 84 % quantiles; nan for one realization.
     is_median : ndarray of bool, shape (P,)
@@ -38,8 +38,8 @@ class DrawnCurve:
     is_median: NDArray[np.bool_]
 
 
-def curve_of(result: ModelResult, name: str) -> DrawnCurve:
-    """Return a contender's curve, with lengths in the unit of the spectrum's h_rms.
+def curve_of(result: ModelResult, name: str, shown: Axes = BARE) -> DrawnCurve:
+    """Return a contender's curve, without units with lengths in the spectrum's h_rms.
 
     It is the mean with its standard error; where a realization in full contact makes
     the mean of the stiffness infinite, the median with the 16 % and 84 % quantiles. A
@@ -51,13 +51,15 @@ def curve_of(result: ModelResult, name: str) -> DrawnCurve:
     result : ModelResult
     name : str
         Of a quantity that the contender has.
+    shown : Axes
+        Those of its results, see :func:`roughbench.figures.axes.axes_of`.
 
     Returns
     -------
     DrawnCurve
         nan where the contender does not give the quantity.
     """
-    unit = QUANTITIES[name].unit(float(result.attributes["rms_height"]))
+    unit = shown[name].divisor(result)
     order = np.argsort(result["pressure"], kind="stable")
 
     def column(statistic: str) -> FloatArray:
@@ -71,7 +73,7 @@ def curve_of(result: ModelResult, name: str) -> DrawnCurve:
         is_median[:] = is_median.any()
     error = np.where(np.isfinite(mean), error, np.nan)
     return DrawnCurve(
-        np.asarray(result["pressure"], float)[order],
+        np.asarray(result["pressure"], float)[order] / shown.pressure.divisor(result),
         np.where(is_median, column("median"), mean),
         np.where(is_median, column("q16"), mean - error),
         np.where(is_median, column("q84"), mean + error),
@@ -83,10 +85,11 @@ def curves_of(
     results: Results, name: str, experiments: Iterable[str] | None = None
 ) -> Iterator[tuple[str, ModelResult, DrawnCurve]]:
     """Yield experiment, contender and curve of all that have a quantity."""
+    shown = axes_of(results)
     for experiment in results if experiments is None else experiments:
         for result in results[experiment].values():
             if name in result:
-                yield experiment, result, curve_of(result, name)
+                yield experiment, result, curve_of(result, name, shown)
 
 
 def full_contact_pressure(curve: DrawnCurve) -> float | None:

@@ -31,5 +31,5 @@ def draw(results: Results) -> Figure:
         axes.label_outer()
         letter(axes, number)
     legend_above(figure, legend_handles(results, list(results), "separation", of_all=True))
-    footnote(figure, [height_remark(results), *unconverged_remarks(results)])
+    footnote(figure, [*filter(None, [height_remark(results)]), *unconverged_remarks(results)])
     return figure

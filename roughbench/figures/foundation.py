@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from roughbench.figures.labels import MODULUS, experiment_labels, height_remark, number_text
+from roughbench.figures.labels import experiment_labels, height_remark, pressure_text
 from roughbench.figures.pressed import (
     FloatArray,
     Pressed,
@@ -28,6 +28,7 @@ from roughbench.figures.pressed import (
 from roughbench.figures.style import BACKGROUND, SMALL, footnote, letter, new_figure
 from roughbench.models.foundation import Foundation
 from roughbench.results import Results
+from roughbench.units import in_words, prefix
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -53,25 +54,34 @@ def draw(results: Results) -> Figure:
     pressed = most_telling(results)
     figure, (whole, zoom) = new_figure(2, 1.75)
     window = choose_window(pressed.clearance < 0.0)
-    _draw_whole(whole, pressed, window)
-    _draw_springs(zoom, pressed, window)
-    state = (
-        rf"$p/{MODULUS} = {number_text(pressed.pressure).strip('$')}$, "
-        rf"$\bar u = {pressed.separation / pressed.rms_height:.2g}\,h_\mathrm{{rms}}$"
-    )
+    unit, name_of_unit = _heights(pressed)
+    _draw_whole(whole, pressed, window, unit)
+    _draw_springs(zoom, pressed, window, unit)
+    separation = rf"$\bar u = {pressed.separation / pressed.rms_height:.2g}\,h_\mathrm{{rms}}$"
+    if pressed.has_units:
+        separation = rf"$\bar u$ = {in_words(pressed.separation, 'm', 2)}"
+    state = f"{pressure_text(results, pressed.pressure)}, {separation}"
     name = experiment_labels(results)[pressed.experiment]
     letter(whole, 0, ", ".join(filter(None, [name, state])))
     shown = "" if window.step == 1 else f", one in {window.step} drawn"
     letter(zoom, 1, f"some of the {pressed.clearance.size} springs{shown}")
-    figure.supylabel(r"height/$h_\mathrm{rms}$", fontsize=9)
-    footnote(figure, [height_remark(results)])
+    figure.supylabel(name_of_unit, fontsize=9)
+    footnote(figure, [*filter(None, [height_remark(results)])])
     return figure
 
 
-def _draw_whole(axes: Axes, pressed: Pressed, window: Window) -> None:
+def _heights(pressed: Pressed) -> tuple[float, str]:
+    """Return what heights are divided by, and what the axis says."""
+    if not pressed.has_units:
+        return pressed.rms_height, r"height/$h_\mathrm{rms}$"
+    factor, unit = prefix(pressed.clearance.tolist(), "m")
+    return 1.0 / factor, f"height ({unit})"
+
+
+def _draw_whole(axes: Axes, pressed: Pressed, window: Window, unit: float) -> None:
     n = pressed.clearance.size
     x = (np.arange(n) + 0.5) / n
-    z = pressed.clearance / pressed.rms_height
+    z = pressed.clearance / unit
     bottom, top = z.min() - 0.15 * np.ptp(z), z.max() + 0.3 * np.ptp(z)
     axes.fill_between(x, z, top, color=_PUNCH, linewidth=0)
     axes.plot(x, z, color=_PUNCH_EDGE, linewidth=0.4, gid="punch")
@@ -107,13 +117,13 @@ def _draw_whole(axes: Axes, pressed: Pressed, window: Window) -> None:
         )
 
 
-def _draw_springs(axes: Axes, pressed: Pressed, window: Window) -> None:
+def _draw_springs(axes: Axes, pressed: Pressed, window: Window, unit: float) -> None:
     from matplotlib.collections import LineCollection
 
     start = window.start
     margin = max(window.step // 2, 1)
     x = np.arange(start - margin, window.stop + margin)
-    z = np.take(pressed.clearance, x, mode="wrap") / pressed.rms_height
+    z = np.take(pressed.clearance, x, mode="wrap") / unit
     deepest, highest = -min(float(z.min()), 0.0), max(float(z.max()), 0.0)
     span = deepest + highest
     base = -(deepest + 0.9 * span)

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from roughbench.figures.curves import curve_of
 from roughbench.models.registry import declared, is_theory
 from roughbench.results import ModelResult, Results
+from roughbench.units import in_words
 
 MODULUS = r"E\!^*"
 _SYMBOLS: Mapping[str, str] = {
@@ -33,6 +34,13 @@ def number_text(value: float) -> str:
     """
     digits, exponent = f"{value:.1e}".split("e")
     return rf"${digits}\times10^{{{int(exponent)}}}$"
+
+
+def pressure_text(result: ModelResult | Results, pressure: float) -> str:
+    """Return what pressure a panel is about: p/E*, or of results with units p."""
+    if result.has_units:
+        return f"$p$ = {in_words(pressure, 'Pa')}"
+    return rf"$p/{MODULUS} = {number_text(pressure).strip('$')}$"
 
 
 def experiment_label(name: str, q_min: float | None = None) -> str:
@@ -93,10 +101,14 @@ def smallest_wavevector(results: Results, experiment: str) -> float | None:
 def height_remark(results: Results) -> str:
     """Return which rms height the lengths are divided by, in words for a caption.
 
+    Empty of results with units, whose lengths are divided by none.
+
     The sum over the modes of a cell exceeds the integral over the spectrum by up to
     40 % of h_rms without a roll-off, so a figure has to name its h_rms.
     """
-    from_files = {result.attributes.get("surface") == "file" for _, result in results.models()}
+    if results.has_units:
+        return ""
+    from_files = {result.is_measured for _, result in results.models()}
     words = {
         frozenset({False}): "rms height of the spectrum (continuum)",
         frozenset({True}): "rms height of the given heights",
@@ -144,7 +156,7 @@ def _counts(models: Sequence[ModelResult]) -> list[str]:
 
 def _is_theory(model: ModelResult) -> bool:
     """Return whether the model looked at no heights, but at the spectrum alone."""
-    has_heights = "grid_points" in model.attributes or model.attributes["surface"] == "file"
+    has_heights = "grid_points" in model.attributes or model.is_measured
     return is_theory(model.kind) or not (has_heights or model.n_realizations > 1)
 
 

@@ -16,10 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roughbench.figures.labels import (
-    MODULUS,
     experiment_labels,
     height_remark,
-    number_text,
+    pressure_text,
     titles,
     unconverged_remarks,
 )
@@ -30,6 +29,7 @@ from roughbench.notation import mathtext
 from roughbench.observables import OBSERVABLES, Observable
 from roughbench.observables.described import described
 from roughbench.results import ModelResult, Results
+from roughbench.units import prefix
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -88,15 +88,17 @@ class ObservableFigure:
 
     def draw(self, results: Results) -> Figure:
         """Return the figure."""
-        shown = self.observable
-        scale = "log" if shown.x_is_log else "linear"
-        axes = mathtext(shown.x), mathtext(shown.y)
-        figure = panels(dict(self._panels(results)), *axes, scale)
-        height = [height_remark(results)] * shown.is_in_heights
+        scale = "log" if self.observable.x_is_log else "linear"
+        shown = observable_axes(results, self.observable)
+        axes = mathtext(shown.x_label), mathtext(shown.y_label)
+        figure = panels(dict(self._panels(results, shown)), *axes, scale)
+        height = [height_remark(results.reduced())] * self.observable.is_in_heights
         footnote(figure, height + unconverged_remarks(results))
         return figure
 
-    def _panels(self, results: Results) -> Iterator[tuple[str, list[ObservedLine]]]:
+    def _panels(
+        self, results: Results, shown: ObservableAxes
+    ) -> Iterator[tuple[str, list[ObservedLine]]]:
         """Yield what is written over a panel, and its lines."""
         labels, styles = experiment_labels(results), curve_styles(results.models())
         most = MOST_PANELS if len(results) == 1 else 2
@@ -110,23 +112,29 @@ class ObservableFigure:
             pressures = next((result["pressure"] for result in own.values()), np.empty(0))
             count = min(most, pressures.size)
             for k in np.linspace(0, pressures.size - 1, count).round().astype(int):
-                words = [rf"$p/{MODULUS} = {number_text(pressures[k]).strip('$')}$"]
+                words = [pressure_text(results, float(pressures[k]))]
                 words += filter(None, [labels[experiment]])
-                yield ", ".join(words), self._lines(own, styles, int(k))
+                yield ", ".join(words), self._lines(own, styles, shown, int(k))
 
     def _lines(
-        self, models: Mapping[str, ModelResult], styles: Mapping[str, CurveStyle], k: int
+        self,
+        models: Mapping[str, ModelResult],
+        styles: Mapping[str, CurveStyle],
+        shown: ObservableAxes,
+        k: int,
     ) -> list[ObservedLine]:
         name = self.observable.variable
         lines: list[ObservedLine] = []
         theory: list[ObservedLine] = []
         for title, result in models.items():
             x = result[f"{name}_bin"]
-            unit = drawn_unit(result, self.observable)
+            unit = drawn_unit(result, self.observable) * shown.divisor(result)
+            x = x * shown.x
             mean, sem = result[f"{name}_mean"][k], result[f"{name}_sem"][k]
             lines.append(ObservedLine(title, x, mean / unit, sem / unit, styles[result.label]))
             if f"{name}_persson" in result and not theory:
-                values, none = result[f"{name}_persson"][k], np.full(x.shape, math.nan)
+                values = result[f"{name}_persson"][k] / shown.divisor(result)
+                none = np.full(x.shape, math.nan)
                 title = self.observable.theory_title(result.attributes)
                 theory.append(ObservedLine(title, x, values, none, THEORY, is_theory=True))
         return lines + theory
@@ -150,6 +158,56 @@ def drawn_unit(result: ModelResult, observable: Observable) -> FloatArray:
         return np.asarray(result[f"{name}_drawn_unit"], float)
     places = np.asarray(result[f"{name}_bin"], float)
     return observable.drawn_unit(places, int(result.attributes.get("dimension", 2)))
+
+
+@dataclass(frozen=True, slots=True)
+class ObservableAxes:
+    """What the places and values of an observable are multiplied with, and the axes' labels.
+
+    Attributes
+    ----------
+    x, y : float
+    x_label, y_label : str
+        For :mod:`roughbench.notation`.
+    modulus : int
+        Power of E* by which values are divided, where the label says so.
+    """
+
+    x: float
+    y: float
+    x_label: str
+    y_label: str
+    modulus: int = 0
+
+    def divisor(self, result: ModelResult) -> float:
+        """Return what the values of a model are divided by."""
+        return (result.modulus or 1.0) ** self.modulus / self.y
+
+
+def observable_axes(results: Results, observable: Observable) -> ObservableAxes:
+    """Return how an observable is drawn: as it is, or with units in SI with a prefix."""
+    if not results.has_units:
+        return ObservableAxes(1.0, 1.0, observable.x, observable.y)
+    values, name = observable.values, observable.variable
+    by_modulus = values.modulus if "E*" in observable.y else 0
+    as_drawn = replace(values, modulus=values.modulus - by_modulus)
+    own = [result for _, result in results.models() if name in result]
+    places = np.concatenate([np.empty(0), *(result[f"{name}_bin"] for result in own)])
+    x, x_unit = prefix(places.tolist(), observable.places.si_units())
+    drawn = [np.empty(0)]
+    for result in own:
+        unit = drawn_unit(result, observable) * (result.modulus or 1.0) ** by_modulus
+        drawn.append(np.ravel(result[f"{name}_mean"] / unit))
+    y, y_unit = prefix(np.concatenate(drawn).tolist(), as_drawn.si_units())
+    return ObservableAxes(
+        x, y, _labelled(observable.x, x_unit), _labelled(observable.y, y_unit), by_modulus
+    )
+
+
+def _labelled(label: str, unit: str) -> str:
+    base, caret, power = unit.partition("^")
+    text = f"{base}$^{power}$" if caret else unit
+    return label if unit == "1" else f"{label} ({text})"
 
 
 def panels(

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from roughbench.figures.axes import axes_of
 from roughbench.figures.curves import DrawnCurve, curves_of, full_contact_pressure
 from roughbench.figures.labels import experiment_labels, model_names
 from roughbench.figures.style import SMALL
 from roughbench.figures.styles import CurveStyle, curve_styles, experiment_shades, lighter
 from roughbench.notation import mathtext
-from roughbench.quantities import PRESSURE, QUANTITIES
+from roughbench.quantities import QUANTITIES
 from roughbench.results import Results
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ def draw_panel(
     axes.set_xscale("log")
     axes.set_yscale("linear" if is_inset else "log")
     shades = experiment_shades(experiments)
-    styles = curve_styles(results.models())
+    styles, shown = curve_styles(results.models()), axes_of(results)
     for number, experiment in enumerate(experiments):
         turn = number / len(experiments)
         for _, result, curve in curves_of(results, quantity, [experiment]):
@@ -60,7 +61,9 @@ def draw_panel(
                 _draw_curve(axes, curve, style, colour, name=name, turn=turn)
                 _mark_full_contact(axes, curve, style, colour, quantity)
     pressures = [
-        result["pressure"] for name in experiments for result in results[name].values()
+        result["pressure"] / shown.pressure.divisor(result)
+        for name in experiments
+        for result in results[name].values()
     ]
     extent = np.concatenate(pressures)
     if extent.min() == extent.max():
@@ -69,8 +72,8 @@ def draw_panel(
         axes.tick_params(labelsize=SMALL - 0.5, length=2, pad=1.5)
         axes.tick_params(which="minor", length=0)
     else:
-        axes.set_xlabel(mathtext(PRESSURE.label))
-        axes.set_ylabel(mathtext(QUANTITIES[quantity].label))
+        axes.set_xlabel(mathtext(shown.pressure.label))
+        axes.set_ylabel(mathtext(shown[quantity].label))
 
 
 def limit_to_curves(axes: Axes, results: Results, quantity: str) -> None:
@@ -87,8 +90,10 @@ def limit_to_curves(axes: Axes, results: Results, quantity: str) -> None:
         All of them, so that panels side by side have the same limits.
     quantity : str
     """
-    lowest, highest = QUANTITIES[quantity].lowest, QUANTITIES[quantity].highest
-    values = np.concatenate([curve.value for _, _, curve in curves_of(results, quantity)])
+    curves = list(curves_of(results, quantity))
+    limits = [axes_of(results)[quantity].limits(result) for _, result, _ in curves]
+    lowest, highest = min(low for low, _ in limits), max(high for _, high in limits)
+    values = np.concatenate([curve.value for _, _, curve in curves])
     values = values[np.isfinite(values) & (values > 0.0)]
     if values.size and values.min() < highest and values.max() > lowest:
         low, high = max(values.min(), lowest), min(values.max(), highest)

@@ -33,9 +33,11 @@ class Pressed:
     rms_height : float
         h_rms of the spectrum, length.
     pressure : float
-        p/E*.
+        p/E*; of results with units p, Pa.
     separation : float
         ū, length.
+    has_units : bool
+        Whether lengths are in m.
     """
 
     experiment: str
@@ -43,6 +45,7 @@ class Pressed:
     rms_height: float
     pressure: float
     separation: float
+    has_units: bool = False
 
     @property
     def share(self) -> float:
@@ -74,10 +77,11 @@ def _states(experiment: str, result: ModelResult) -> Iterator[Pressed]:
         result["field_status"].tolist(),
         strict=True,
     ):
-        compression = math.pi / 4.0 * length * pressure
+        compression = math.pi / 4.0 * length * pressure / (result.modulus or 1.0)
         if status == 0 and (gap > 0.0).any():
             clearance = np.where(pressure > 0.0, -compression, gap)
-            yield Pressed(experiment, clearance, height, nominal, float(gap.mean()))
+            separation = float(gap.mean())
+            yield Pressed(experiment, clearance, height, nominal, separation, result.has_units)
 
 
 def most_telling(results: Results) -> Pressed:

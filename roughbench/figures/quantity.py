@@ -49,7 +49,7 @@ class QuantityFigure:
         self.panel(axes, results)
         legend_above(figure, legend_handles(results, list(results), self.name))
         height = [height_remark(results)] * (QUANTITIES[self.name].length != 0)
-        footnote(figure, height + unconverged_remarks(results))
+        footnote(figure, [*filter(None, height), *unconverged_remarks(results)])
         return figure
 
     def panel(self, axes: Axes, results: Results) -> None:

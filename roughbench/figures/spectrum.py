@@ -10,6 +10,7 @@ amplitudes each mode carries exactly its share, so that the circles lie on the l
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,6 +26,7 @@ from roughbench.results import Results
 from roughbench.spec import SelfAffineSurface, Spec
 from roughbench.spectrum import Spectrum, self_affine
 from roughbench.surface import wavenumbers
+from roughbench.units import prefix
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -51,23 +53,24 @@ def draw(results: Results) -> Figure:
     figure, (axes,) = new_figure(1, 3.0)
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.set_xlabel(r"wavevector $q$ (1/length)")
-    axes.set_ylabel(r"spectrum $C_\mathrm{2D}$ (length$^4$)")
     experiments = _distinct(self_affine_experiments(results))
     surfaces = [surface for _, surface, _ in experiments]
+    shown = _Scales.of(results, surfaces)
+    axes.set_xlabel(rf"wavevector $q$ ({shown.q_unit})")
+    axes.set_ylabel(rf"spectrum $C_\mathrm{{2D}}$ ({shown.unit})")
     if len(surfaces) == 1:
-        _draw_without_rolloff(axes, surfaces[0])
+        _draw_without_rolloff(axes, surfaces[0], shown)
     shades = experiment_shades([name for name, _, _ in experiments])
     for number, (name, surface, spec) in enumerate(experiments):
         colour = lighter("#000000", shades[name])
         label = experiment_label(name, surface.q_min) or "theory"
-        _draw_theory(axes, surface.spectrum(), colour, label, f"{name}/theory")
+        _draw_theory(axes, surface.spectrum(), shown, colour, label, f"{name}/theory")
         realized = realized_spectrum(spec, surface)
         if realized is not None:
             kind, q, power = realized
             axes.plot(
-                q,
-                power,
+                q * shown.q,
+                power * shown.power,
                 linestyle="none",
                 marker="o",
                 markersize=4.0 - 1.6 * number / len(experiments),
@@ -77,7 +80,7 @@ def draw(results: Results) -> Figure:
                 label=f"realization 0 ({kind})" if number == len(experiments) - 1 else None,
                 gid=f"{name}/{kind}",
             )
-    _mark_wavevectors(axes, surfaces)
+    _mark_wavevectors(axes, surfaces, shown.q)
     legend_above(figure, [*axes.get_legend_handles_labels()[0], _law(surfaces)])
     return figure
 
@@ -131,6 +134,7 @@ def ring_average(sample: Sample) -> tuple[FloatArray, FloatArray]:
     q = wavenumbers(heights.shape, sample.length)
     power = np.abs(np.fft.rfftn(heights, norm="forward")) ** 2
     power *= (sample.length / (2.0 * np.pi)) ** heights.ndim
+    power *= heights.size / heights.shape[0] ** heights.ndim  # of a cell that is no square
     inside = (q >= spectrum.q_min * (1.0 - 1e-9)) & (q <= spectrum.q_max * (1.0 + 1e-9))
     q, power = q[inside], power[inside]
     if heights.ndim == 1:
@@ -150,17 +154,45 @@ def _distinct(experiments: list[Experiment]) -> list[Experiment]:
     return list(first.values())
 
 
+@dataclass(frozen=True, slots=True)
+class _Scales:
+    """What wavevectors and spectra are multiplied with, and the units that the axes name."""
+
+    q: float = 1.0
+    power: float = 1.0
+    q_unit: str = "1/length"
+    unit: str = "length$^4$"
+
+    @classmethod
+    def of(cls, results: Results, surfaces: list[SelfAffineSurface]) -> _Scales:
+        if not results.has_units:
+            return cls()
+        spectra = [surface.spectrum() for surface in surfaces]
+        q, q_unit = prefix([x for one in spectra for x in (one.q_min, one.q_max)], "1/m")
+        ends = [float(one.psd_2d(np.array([one.q_max]))[0]) for one in spectra]
+        tops = [float(one.psd_2d(np.array([one.q_min]))[0]) for one in spectra]
+        power, unit = prefix(ends + tops, "m^4")
+        return cls(q, power, q_unit, f"{unit.removesuffix('^4')}$^4$")
+
+
 def _draw_theory(
-    axes: Axes, spectrum: Spectrum, colour: str, label: str, name: str, width: float = 1.1
+    axes: Axes,
+    spectrum: Spectrum,
+    shown: _Scales,
+    colour: str,
+    label: str,
+    name: str,
+    width: float = 1.1,
 ) -> None:
     """Draw the power laws from edge to edge; a step at an edge comes out vertical."""
     q = np.repeat(spectrum.edges, 2)[1:-1]
     prefactors = np.repeat(spectrum.prefactors, 2)
     power = prefactors * q ** -np.repeat(spectrum.exponents, 2)
-    axes.plot(q, power, color=colour, linewidth=width, label=label, gid=name)
+    x, y = q * shown.q, power * shown.power
+    axes.plot(x, y, color=colour, linewidth=width, label=label, gid=name)
 
 
-def _draw_without_rolloff(axes: Axes, surface: SelfAffineSurface) -> None:
+def _draw_without_rolloff(axes: Axes, surface: SelfAffineSurface, shown: _Scales) -> None:
     spectrum = surface.spectrum()
     if surface.q_rolloff == surface.q_min:
         return
@@ -171,14 +203,15 @@ def _draw_without_rolloff(axes: Axes, surface: SelfAffineSurface) -> None:
         q_max=surface.q_max,
         rms_slope=spectrum.rms_slope,
     )
-    _draw_theory(axes, other, GUIDE, "theory for $q_r = q_0$", "without roll-off", 0.7)
+    words = "theory for $q_r = q_0$"
+    _draw_theory(axes, other, shown, GUIDE, words, "without roll-off", 0.7)
 
 
-def _mark_wavevectors(axes: Axes, surfaces: list[SelfAffineSurface]) -> None:
+def _mark_wavevectors(axes: Axes, surfaces: list[SelfAffineSurface], scale: float) -> None:
     """Name q0, qr and q1 above the panel, each value once."""
     names: dict[float, list[str]] = {}
     for symbol, attribute in (("q_0", "q_min"), ("q_r", "q_rolloff"), ("q_1", "q_max")):
-        for value in {float(getattr(surface, attribute)) for surface in surfaces}:
+        for value in {scale * float(getattr(surface, attribute)) for surface in surfaces}:
             names.setdefault(value, []).append(symbol)
     for value, symbols in names.items():
         axes.axvline(value, color=GUIDE, linewidth=0.5, linestyle=(0, (1, 2)), zorder=1)

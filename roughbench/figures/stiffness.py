@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from roughbench.figures.agreement import FACTOR, Agreement, agreement_in, departures
+from roughbench.figures.axes import axes_of
 from roughbench.figures.curves import curves_of, has_medians
 from roughbench.figures.labels import (
     experiment_labels,
@@ -34,7 +35,6 @@ from roughbench.figures.style import (
     letter,
     new_figure,
 )
-from roughbench.quantities import QUANTITIES
 from roughbench.results import Results
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ def draw(results: Results) -> Figure:
     for number, (axes, experiment) in enumerate(zip(panels, experiments, strict=False)):
         _panel(axes, results, experiment, number)
     legend_above(figure, _handles(results))
-    remarks = [height_remark(results)]
+    remarks = [*filter(None, [height_remark(results)])]
     if has_medians(results, "stiffness"):
         remarks.append("Medians with 16 % and 84 % quantiles where a mean is infinite.")
     footnote(figure, remarks + unconverged_remarks(results))
@@ -77,7 +77,8 @@ def _panel(axes: Axes, results: Results, experiment: str, number: int) -> None:
         letter(axes, number, experiment_labels(results)[experiment])
     limit_to_curves(axes, results, "stiffness")
     _draw_guides(axes, results, experiment)
-    _draw_departures(axes, agreement_in(results, experiment, FACTOR))
+    found = agreement_in(results, experiment, FACTOR, axes_of(results))
+    _draw_departures(axes, found, has_units=results.has_units)
 
 
 def _handles(results: Results) -> list[Artist]:
@@ -104,7 +105,9 @@ def _draw_guides(axes: Axes, results: Results, experiment: str) -> None:
         ],
         axis=1,
     )
-    drawn = (points[1] > 0.0) & (points[1] < QUANTITIES["stiffness"].highest)
+    shown = axes_of(results)["stiffness"]
+    highest = max((shown.limits(model)[1] for model in models), default=math.inf)
+    drawn = (points[1] > 0.0) & (points[1] < highest)
     points = points[:, np.isfinite(points[1]) & drawn]
     if points.size == 0:
         return
@@ -147,7 +150,7 @@ def _draw_guides(axes: Axes, results: Results, experiment: str) -> None:
         guide(1.0 / (1.0 + float(hurst)), 0.02, 0.28, 1.0, r"slope $1/(1+H)$")
 
 
-def _draw_departures(axes: Axes, found: Agreement | None) -> None:
+def _draw_departures(axes: Axes, found: Agreement | None, *, has_units: bool) -> None:
     """Draw and name the ends of the range of agreement, or say that there are none."""
     if found is None:
         return
@@ -159,7 +162,7 @@ def _draw_departures(axes: Axes, found: Agreement | None) -> None:
         side = outwards if 0.07 < place < 0.93 else -outwards
         axes.axvline(pressure, zorder=1, gid="departure", **_DEPARTURE)
         axes.annotate(
-            number_text(pressure),
+            f"{pressure:.2g}" if has_units else number_text(pressure),
             (pressure, 0.91),
             (1.5 * side, 0),
             xycoords=axes.get_xaxis_transform(),

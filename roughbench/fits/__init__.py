@@ -127,7 +127,8 @@ def fit(
         the pressures differ. ``area_at_separation_agrees_from_10``, …,
         ``area_at_separation_factor`` and the same of the stiffness compare at equal mean
         separation (see :mod:`roughbench.fits.comparisons`), whatever the pressures. What
-        rests on a quantity that a model lacks is :data:`NOT_GIVEN`.
+        rests on a quantity that a model lacks is :data:`NOT_GIVEN`. Pressures are p/E*, also
+        of results with units; their lengths are in m.
 
     Raises
     ------

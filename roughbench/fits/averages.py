@@ -21,6 +21,7 @@ class Averages:
     Attributes
     ----------
     result : ModelResult
+        Without units: pressures are p/E*.
     count : int
         Of random realizations, see :func:`~roughbench.fits.resampling.n_random`.
     given : frozenset of str
@@ -33,6 +34,7 @@ class Averages:
     """
 
     def __init__(self, result: ModelResult, resamples: int, seed: int) -> None:
+        result = result.reduced()
         counts = draw_counts(result.n_realizations, resamples, seed)
         self.result = result
         self.count = n_random(result)

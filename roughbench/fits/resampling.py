@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,6 +51,20 @@ class Estimate:
     def is_bound(self) -> bool:
         """Whether the value is a bound only."""
         return bool(self.bound)
+
+    def times(self, factor: float) -> Estimate:
+        """Return it in another unit.
+
+        Examples
+        --------
+        >>> scaled = Estimate(2.0, 0.5, 1.5, 2.5, 1.0, "≥").times(10.0)
+        >>> scaled.value, scaled.error, scaled.high, scaled.bound
+        (20.0, 5.0, 25.0, '≥')
+        """
+        numbers = {
+            name: getattr(self, name) * factor for name in ("value", "error", "low", "high")
+        }
+        return replace(self, **numbers)
 
 
 MISSING = Estimate(math.nan, math.nan, math.nan, math.nan, 0.0)

@@ -10,6 +10,7 @@ from roughbench.fits.comparisons import PERCENTS, Comparison, comparisons
 from roughbench.fits.resampling import MISSING, Estimate
 from roughbench.notation import plain
 from roughbench.quantities import QUANTITIES
+from roughbench.units import prefix
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +30,55 @@ class Table:
     title: str
     headings: tuple[str, ...]
     rows: Mapping[str, tuple[Estimate, ...]]
+
+
+_PRESSURES = ("from p/E*", "to p/E*", "from", "to")
+"""Headings of columns with pressures p/E*."""
+
+
+def with_pressures(tables: Sequence[Table], modulus: float | None) -> tuple[list[Table], str]:
+    """Return tables with their pressures in Pa, prefixed, and what these are called.
+
+    Parameters
+    ----------
+    tables : sequence of Table
+        Of :func:`law_tables` and :func:`departure_tables`, with p/E*.
+    modulus : float or None
+        E*, Pa; None, without units, leaves everything as it is.
+
+    Returns
+    -------
+    (list of Table, str)
+        One prefix for all of them; "p [kPa]" or "p/E*".
+    """
+    if modulus is None:
+        return list(tables), "p/E*"
+    found = [
+        row[k].value * modulus
+        for table in tables
+        for k, heading in enumerate(table.headings)
+        if heading in _PRESSURES
+        for row in table.rows.values()
+    ]
+    factor, unit = prefix(found, "Pa")
+    name = f"p [{unit}]"
+    return [_scaled(table, factor * modulus, name) for table in tables], name
+
+
+def _scaled(table: Table, factor: float, name: str) -> Table:
+    are_pressures = [heading in _PRESSURES for heading in table.headings]
+    headings = tuple(
+        heading.replace("p/E*", name) if is_pressure else heading
+        for heading, is_pressure in zip(table.headings, are_pressures, strict=True)
+    )
+    rows = {
+        label: tuple(
+            one.times(factor) if is_pressure else one
+            for one, is_pressure in zip(row, are_pressures, strict=True)
+        )
+        for label, row in table.rows.items()
+    }
+    return Table(table.title, headings, rows)
 
 
 def law_tables(models: Mapping[str, Mapping[str, Estimate]]) -> Iterator[Table]:

@@ -86,7 +86,13 @@ class Asperity:
     curvatures: FloatArray
 
 
-def asperity_of_spectrum(spectrum: Spectrum, length: float, reach: float = REACH) -> Asperity:
+def asperity_of_spectrum(
+    spectrum: Spectrum,
+    length: float,
+    reach: float = REACH,
+    *,
+    nominal_area: float | None = None,
+) -> Asperity:
     """Return the typical highest asperity of a Gaussian surface with this spectrum.
 
     Parameters
@@ -96,11 +102,14 @@ def asperity_of_spectrum(spectrum: Spectrum, length: float, reach: float = REACH
         Side L of the cell, length.
     reach : float
         c > 0.
+    nominal_area : float, optional
+        A0 of the cell, length²; default: L².
     """
     side, c = checked_length(length), checked_positive(reach, "reach")
+    nominal = side**2 if nominal_area is None else checked_positive(nominal_area, "A0")
     radii = _radii(c / spectrum.q_max, c / spectrum.q_min)
     fourth = [spectrum.moment(4, max(c / r, spectrum.q_min)) for r in radii]
-    return Asperity(_likely_top(spectrum, side), radii, np.sqrt(fourth) / 2.0)
+    return Asperity(_likely_top(spectrum, nominal), radii, np.sqrt(fourth) / 2.0)
 
 
 def asperity_of_heights(heights: ArrayLike, length: float, reach: float = REACH) -> Asperity:
@@ -144,7 +153,13 @@ def asperity_of_heights(heights: ArrayLike, length: float, reach: float = REACH)
     return Asperity(float(h.max() - h.mean()), radii, curvature)
 
 
-def hertz_top_curve(asperity: Asperity, pressures: ArrayLike, length: float) -> CompleteCurve:
+def hertz_top_curve(
+    asperity: Asperity,
+    pressures: ArrayLike,
+    length: float,
+    *,
+    nominal_area: float | None = None,
+) -> CompleteCurve:
     """Return the curve of a cell that touches with one asperity only.
 
     Parameters
@@ -154,6 +169,8 @@ def hertz_top_curve(asperity: Asperity, pressures: ArrayLike, length: float) -> 
         Nominal pressures p/E* > 0, in any order.
     length : float
         Side L of the cell, length.
+    nominal_area : float, optional
+        A0 of the cell, length²; default: L².
 
     Returns
     -------
@@ -174,7 +191,7 @@ def hertz_top_curve(asperity: Asperity, pressures: ArrayLike, length: float) -> 
     """
     p = checked_pressures(pressures)
     side = checked_length(length)
-    nominal = side * side
+    nominal = side * side if nominal_area is None else checked_positive(nominal_area, "A0")
     r = asperity.radii
     load = 4.0 / 3.0 * r**3 * asperity.curvatures
     load = np.maximum.accumulate(load)  # the smallest radius that carries a load
@@ -263,10 +280,10 @@ def finite_size_prefactor(spectrum: Spectrum, reach: float = REACH) -> float:
     return float(2.0 * inner ** (1.0 / (1.0 + hurst)))
 
 
-def _likely_top(spectrum: Spectrum, length: float) -> float:
+def _likely_top(spectrum: Spectrum, nominal: float) -> float:
     """Return the level above which half of all surfaces have no island: N(z) = ln 2."""
     h = spectrum.rms_height
-    density = length**2 * spectrum.moment(2) / (2.0 * h * h) / (2.0 * math.pi) ** 1.5
+    density = nominal * spectrum.moment(2) / (2.0 * h * h) / (2.0 * math.pi) ** 1.5
     target = math.log(math.log(2.0) / density)
     # ln t - t²/2 falls from its highest value, -1/2 at t = 1, and is concave.
     if target >= -0.5:
@@ -333,9 +350,13 @@ class HertzTop(HeightsOrSpectrum):
         if not self.uses_heights:
             if sample.spectrum is None:
                 raise SurfaceError("hertz_top with radius: spectrum needs a spectrum")
-            asperity = asperity_of_spectrum(sample.spectrum, sample.length, self.reach)
+            asperity = asperity_of_spectrum(
+                sample.spectrum, sample.length, self.reach, nominal_area=sample.area
+            )
         else:
             if sample.heights is None:
                 raise SolverError("hertz_top with radius: heights needs heights")
             asperity = asperity_of_heights(sample.heights, sample.length, self.reach)
-        return hertz_top_curve(asperity, pressures, sample.length)
+        return hertz_top_curve(
+            asperity, pressures, sample.length, nominal_area=sample.nominal_area
+        )

@@ -37,7 +37,7 @@ _KIND = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.+-]*")
 _RESERVED = {
     *("surface", "length", "seed", "title", "source", "style", "dimension"),
     *("rms_height", "rms_slope", "hurst", "q_min", "q_rolloff", "q_max", "below_rolloff"),
-    *("amplitude", "grid_points"),
+    *("amplitude", "grid_points", "grid_columns"),
 }
 """Attributes that results have beside the options of a model."""
 

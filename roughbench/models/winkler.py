@@ -56,6 +56,7 @@ from roughbench.models._gaussian_excess import log_excess
 from roughbench.models._grids import GridOption, HeightsOrSpectrum
 from roughbench.models._springs import make_spring_fields
 from roughbench.models.base import CompleteCurve, Fields, FloatArray, Sample, State, Status
+from roughbench.models.dimensional import WavevectorOption
 from roughbench.models.style import Style
 from roughbench.spectrum import mode_power, wavenumbers
 
@@ -295,10 +296,8 @@ class Winkler(HeightsOrSpectrum):
         "the limit of a large surface with normally distributed heights, of the "
         "spectrum's rms height.",
     )
-    modulus: float | None = Field(
+    modulus: WavevectorOption | None = Field(
         default=None,
-        gt=0.0,
-        allow_inf_nan=False,
         description="k_w/E*, 1/length; default: M_1/(2 M_0) of each surface (of the "
         "spectrum in the Gaussian limit), with which the springs hold the elastic energy "
         "of full contact.",

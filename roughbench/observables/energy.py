@@ -26,10 +26,14 @@ class EnergySpectrum(Observable):
     variable = "energy_spectrum"  # energy is a quantity
     title = "Elastic energy by wavevector"
     x, y = "wavevector $q$", "energy per ring"
-    values = Variable("elastic energy U/(A0 E*) held by a ring of wavevectors", length=1)
+    values = Variable(
+        "elastic energy U/(A0 E*) held by a ring of wavevectors", length=1, modulus=1
+    )
     places = WAVEVECTOR
     scalars: ClassVar = {
-        "total": Variable("elastic energy U/(A0 E*) held by all wavevectors", length=1)
+        "total": Variable(
+            "elastic energy U/(A0 E*) held by all wavevectors", length=1, modulus=1
+        )
     }
 
     def compute(self, field: Field) -> Profile:

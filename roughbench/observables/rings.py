@@ -111,10 +111,10 @@ class SpectralDensity(Observable):
         """Return the function whose spectrum it is."""
 
     @staticmethod
-    def described(variance: str, exponent: str) -> dict[str, Variable]:
-        """Return what the single numbers mean."""
+    def described(variance: str, exponent: str, modulus: int = 0) -> dict[str, Variable]:
+        """Return what the single numbers mean; ``modulus``: power of E* in the variance."""
         return {
-            "variance": Variable(f"variance of {variance}"),
+            "variance": Variable(f"variance of {variance}", modulus=modulus),
             "exponent": Variable(f"exponent of the power spectrum of {exponent}"),
         }
 

@@ -33,8 +33,10 @@ class StressSpectrum(SpectralDensity):
     name = "stress_spectrum"
     title = "Spectrum of the contact pressure"
     y = "$C_σ(q)/E*²$; of lines $C_σ/πq$"
-    values = Variable("power spectrum C(q) of the contact pressure / E*", per_dimension=1)
-    scalars = SpectralDensity.described("the contact pressure / E*", "the pressure")
+    values = Variable(
+        "power spectrum C(q) of the contact pressure / E*", per_dimension=1, modulus=2
+    )
+    scalars = SpectralDensity.described("the contact pressure / E*", "the pressure", modulus=2)
     attributes: ClassVar[tuple[str, ...]] = (*SpectralDensity.attributes, "persson_gamma")
 
     def function(self, field: Field) -> FloatArray:

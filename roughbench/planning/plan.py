@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,14 +12,18 @@ import numpy as np
 from roughbench.errors import SurfaceError
 from roughbench.models.base import FloatArray, Model
 from roughbench.observables import OBSERVABLES, Observable
-from roughbench.planning.samples import Heights, Surface, check_sample, read_heights
+from roughbench.planning.measured import Heights, read_heights
+from roughbench.planning.samples import Surface, check_sample, draws_lines, is_drawn
 from roughbench.results import Array
-from roughbench.spec import FileSurface, SelfAffineSurface, Spec
+from roughbench.spec import MeasuredSurface, SelfAffineSurface, Spec
 from roughbench.variables import check_variables
 
 Block = dict[str, Array]
 """What a task computes: variables by name, along the first axis its realizations, fields or
 bins."""
+
+LINES = 20
+"""Lines with the spectrum of a measured surface, where no spec says how many."""
 
 SECONDS_PER_TASK = 1.0
 """Small realizations are batched to about this: to commit a task costs a hundredth of it."""
@@ -60,7 +64,7 @@ class Cell:
     ----------
     experiment : str
     model : Model
-    surface : SelfAffineSurface or FileSurface
+    surface : SelfAffineSurface or MeasuredSurface
     pressures : tuple of float
         p/E*.
     n_realizations : int
@@ -69,6 +73,8 @@ class Cell:
         Of its fields; nothing for a model without.
     heights : Heights or None
         Those of a file, as the plan found them; None for a surface that is generated.
+    modulus : float or None
+        E*, Pa, of a spec with units; nothing that is computed depends on it.
 
     Raises
     ------
@@ -84,9 +90,10 @@ class Cell:
     seed: int
     asked: Asked = NOTHING
     heights: Heights | None = None
+    modulus: float | None = None
 
     def __post_init__(self) -> None:
-        if isinstance(self.surface, FileSurface) != (self.heights is not None):
+        if isinstance(self.surface, MeasuredSurface) != (self.heights is not None):
             raise ValueError(f"{self}: heights belong to surfaces from a file, and to these")
 
     def __str__(self) -> str:
@@ -115,7 +122,29 @@ class Cell:
             return 0
         if isinstance(self.surface, SelfAffineSurface):
             return _grid_points(self.surface, self.model) ** dimension
-        return math.prod(self.heights.shape) if self.heights is not None else 0
+        if self.heights is None:
+            return 0
+        if draws_lines(self.model, self.heights):
+            return _line_points(self.heights, self.model)
+        return math.prod(self.heights.shape)
+
+    @property
+    def length(self) -> float:
+        """Period of its heights along the first axis, length."""
+        if isinstance(self.surface, SelfAffineSurface):
+            return self.surface.length
+        if self.heights is None:
+            raise ValueError(f"{self}: nobody has read its heights")
+        if draws_lines(self.model, self.heights):
+            return self.heights.longest_side
+        return self.heights.length
+
+    @property
+    def is_random(self) -> bool:
+        """Whether its heights are drawn at random."""
+        if isinstance(self.surface, SelfAffineSurface) or self.heights is None:
+            return self.model.dimension > 0
+        return is_drawn(self.surface, self.model, self.heights)
 
     def pressure_array(self) -> FloatArray:
         """Return the pressures p/E*, shape (pressures,)."""
@@ -208,10 +237,11 @@ def plan(spec: Spec) -> list[Cell]:
             model=model,
             surface=variant.surface,
             pressures=variant.pressures,
-            n_realizations=_realizations(variant, model),
+            n_realizations=_realizations(variant, model, heights),
             seed=variant.seed,
             asked=_asked(variant) if model.has_fields else NOTHING,
-            heights=heights.get(variant.surface),
+            heights=_known(variant.surface, heights),
+            modulus=variant.modulus,
         )
         for experiment, variant in experiments
         for model in variant.models
@@ -220,37 +250,59 @@ def plan(spec: Spec) -> list[Cell]:
 
 def _read_files(
     experiments: Sequence[tuple[str, Spec]],
-) -> tuple[dict[Surface, Heights], list[str]]:
-    heights: dict[Surface, Heights] = {}
+) -> tuple[dict[MeasuredSurface, Heights], list[str]]:
+    heights: dict[MeasuredSurface, Heights] = {}
     faults: dict[str, str] = {}
     for name, spec in experiments:
-        surface = spec.surface
-        if isinstance(surface, FileSurface) and surface not in heights:
-            theories = any(
-                model.dimension == 0 for _, other in experiments for model in other.models
+        if not isinstance(spec.surface, MeasuredSurface):
+            continue
+        surface = spec.surface.original()
+        if surface not in heights:
+            needed = any(
+                model.dimension < 2 for _, other in experiments for model in other.models
             )
             try:
-                heights[surface] = read_heights(surface, spectrum=theories)
+                lowest = min(min(other.pressures) for _, other in experiments)
+                heights[surface] = read_heights(surface, spectrum=needed, pressure=lowest)
             except SurfaceError as error:
                 faults.setdefault(str(error), name)
     return heights, [f"{name}: {fault}" for fault, name in faults.items()]
 
 
+def _known(surface: Surface, heights: Mapping[MeasuredSurface, Heights]) -> Heights | None:
+    return heights[surface.original()] if isinstance(surface, MeasuredSurface) else None
+
+
 def check(cells: list[Cell]) -> None:
-    """Refuse surfaces that a model cannot use, all of them at once.
+    """Refuse surfaces that a model cannot use, or that make the answer wrong, all at once.
 
     Raises
     ------
     SurfaceError
     """
-    faults: dict[str, str] = {}
+    faults = dict(_doubts(cells, wrong=True))
     for cell in cells:
         try:
             check_sample(cell.surface, cell.model, cell.heights)
         except SurfaceError as error:
             faults.setdefault(str(error), str(cell))
     if faults:
-        raise SurfaceError("\n".join(f"{cell}: {fault}" for fault, cell in faults.items()))
+        raise SurfaceError("\n".join(f"{where}: {fault}" for fault, where in faults.items()))
+
+
+def warnings(cells: list[Cell]) -> list[str]:
+    """Return what makes answers on measured surfaces doubtful: a line for each."""
+    return [f"{where}: {text}" for text, where in _doubts(cells, wrong=False)]
+
+
+def _doubts(cells: list[Cell], *, wrong: bool) -> list[tuple[str, str]]:
+    """Return what is doubtful, or wrong, about measured surfaces, and the experiment."""
+    found: dict[str, str] = {}
+    for cell in cells:
+        for doubt in cell.heights.doubts if cell.heights is not None else ():
+            if doubt.is_wrong == wrong:
+                found.setdefault(doubt.text, cell.experiment)
+    return [*found.items()]
 
 
 def cut(
@@ -284,6 +336,11 @@ def cut(
     ]
 
 
+@functools.lru_cache(maxsize=64)
+def _line_points(heights: Heights, model: Model) -> int:
+    return model.grid_points(heights.needed_spectrum(), heights.longest_side)
+
+
 @functools.lru_cache(maxsize=1024)  # asked for every task
 def _grid_points(surface: SelfAffineSurface, model: Model) -> int:
     return model.grid_points(surface.spectrum(), surface.length)
@@ -298,8 +355,18 @@ def _asked(spec: Spec) -> Asked:
     return Asked(observables, spec.kept_pressures, tuple(sorted(spec.save_fields.realizations)))
 
 
-def _realizations(spec: Spec, model: Model) -> int:
-    """One where there is no randomness; else the model's own number, or the spec's."""
-    if model.dimension == 0 or isinstance(spec.surface, FileSurface):
+def _realizations(spec: Spec, model: Model, heights: Mapping[MeasuredSurface, Heights]) -> int:
+    """One where there is no randomness; else the model's own number, or the spec's.
+
+    Twins count as the spec says, and lines with the spectrum of a measured surface are
+    :data:`LINES` where it says nothing.
+    """
+    if model.dimension == 0:
         return 1
+    if isinstance(spec.surface, MeasuredSurface):
+        known = heights[spec.surface.original()]
+        if not draws_lines(model, known):
+            return spec.twins or 1 if spec.surface.is_twins else 1
+        if "realizations" not in spec.model_fields_set:
+            return model.realizations or LINES
     return model.realizations or spec.realizations

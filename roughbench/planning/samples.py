@@ -2,104 +2,56 @@
 
 from __future__ import annotations
 
-import hashlib
-from dataclasses import dataclass
+import json
 
 from roughbench.errors import SurfaceError
-from roughbench.heights_file import load_heights
-from roughbench.models.base import FloatArray, Model, Sample
+from roughbench.models.base import Model, Sample, cell_area
 from roughbench.models.registry import source_of
 from roughbench.models.style import Style
+from roughbench.planning.measured import Heights, heights_of, read_heights
 from roughbench.results import Attribute
-from roughbench.spec import FileSurface, SelfAffineSurface
-from roughbench.spectrum import measured_spectrum
+from roughbench.spec import MeasuredSurface, SelfAffineSurface
 from roughbench.surface import (
     make_profile,
     make_surface,
+    make_twin,
     realization_generator,
     rms_height_and_slope,
 )
 
-Surface = SelfAffineSurface | FileSurface
-
-
-@dataclass(frozen=True, slots=True)
-class Heights:
-    """What a plan knows of the heights in a file, all of it from one read.
-
-    Attributes
-    ----------
-    digest : str
-        Of their values, not of their file; what a task computes with must have the same.
-    shape : tuple of int
-    rms_height, rms_slope : float
-    fault : str
-        Why they have no spectrum, where one was asked for; else empty.
-    """
-
-    digest: str
-    shape: tuple[int, ...]
-    rms_height: float
-    rms_slope: float
-    fault: str = ""
-
-
-def read_heights(surface: FileSurface, *, spectrum: bool = True) -> Heights:
-    """Read the heights of a file once, and return what a plan has to know of them.
-
-    Parameters
-    ----------
-    surface : FileSurface
-    spectrum : bool
-        Whether a model needs their spectrum.
-
-    Raises
-    ------
-    SurfaceError
-        If they cannot be read.
-    """
-    heights, digest = _load(surface)
-    fault = ""
-    if spectrum:
-        try:
-            measured_spectrum(heights, surface.length)
-        except SurfaceError as error:
-            fault = f"{surface.path}: {error}"
-    return Heights(digest, heights.shape, *rms_height_and_slope(heights, surface.length), fault)
+Surface = SelfAffineSurface | MeasuredSurface
 
 
 def make_sample(
-    surface: Surface, model: Model, seed: int, realization: int, digest: str = ""
+    surface: Surface,
+    model: Model,
+    seed: int,
+    realization: int,
+    known: Heights | None = None,
 ) -> Sample:
     """Return what ``model`` needs of one realization: a line, a surface, or the spectrum.
 
     Parameters
     ----------
-    surface : SelfAffineSurface or FileSurface
-        Heights from a file are the same in every realization; their mean is removed.
+    surface : SelfAffineSurface or MeasuredSurface
+        Measured heights are the same in every realization, with their mean removed; their
+        twins have the same amplitude of every wave, and random phases. Models of lines get
+        measured lines as they are, of measured surfaces lines with their spectrum.
     model : Model
         Its ``dimension`` and its grid choose the sample.
     seed, realization : int
         Choose the random stream; the same one for every model.
-    digest : str
-        What :attr:`Heights.digest` must be of heights from a file; "" accepts any.
+    known : Heights, optional
+        What the plan found in the file; other heights are refused. By default it is read.
 
     Raises
     ------
     SurfaceError
         If the grid is too coarse for the spectrum, or the heights of the file have
-        another dimension than the model needs or are not those of ``digest``.
+        another dimension than the model needs or are not those of the plan.
     """
-    if isinstance(surface, FileSurface):
-        heights, found = _load(surface)
-        if digest not in ("", found):
-            raise SurfaceError(
-                f"{surface.path}: changed since the run began; run it again for the new heights"
-            )
-        _check_dimension(surface, model, heights.shape)
-        if model.dimension == 0:
-            return Sample(None, surface.length, measured_spectrum(heights, surface.length))
-        return Sample(heights, surface.length)
+    if isinstance(surface, MeasuredSurface):
+        return _sample_of_heights(surface, model, seed, realization, known)
     spectrum, length = surface.spectrum(), surface.length
     if model.dimension == 0:
         return Sample(None, length, spectrum)
@@ -119,13 +71,46 @@ def make_sample(
     return Sample(heights, length, spectrum)
 
 
-def check_sample(surface: Surface, model: Model, heights: Heights | None = None) -> None:
+def _sample_of_heights(
+    surface: MeasuredSurface, model: Model, seed: int, realization: int, known: Heights | None
+) -> Sample:
+    known = known or read_heights(surface)
+    _check_dimension(surface, model, known)
+    if model.dimension == 0:
+        is_square = len(set(known.shape)) == 1
+        area = None if is_square else cell_area(known.shape, known.length)
+        return Sample(None, known.length, known.spectrum, area)
+    generator = realization_generator(seed, realization)
+    if draws_lines(model, known):
+        spectrum, period = known.needed_spectrum(), known.longest_side
+        n_points = model.grid_points(spectrum, period)
+        line = make_profile(
+            spectrum, n_points, period, generator, undersampled=model.undersampling
+        )
+        return Sample(line, period, spectrum)
+    heights = heights_of(surface, known)
+    if surface.is_twins:
+        heights = make_twin(heights, generator)
+    return Sample(heights, known.length)
+
+
+def draws_lines(model: Model, known: Heights) -> bool:
+    """Whether a model of lines gets lines with the spectrum of a measured surface."""
+    return model.dimension == 1 and len(known.shape) == 2
+
+
+def is_drawn(surface: MeasuredSurface, model: Model, known: Heights) -> bool:
+    """Whether a model's heights are drawn at random, with the spectrum of measured ones."""
+    return draws_lines(model, known) or (surface.is_twins and model.dimension > 0)
+
+
+def check_sample(surface: Surface, model: Model, known: Heights | None = None) -> None:
     """Refuse a surface that the model cannot use, before anything is computed.
 
     Parameters
     ----------
     surface, model
-    heights : Heights, optional
+    known : Heights, optional
         Of a file.
 
     Raises
@@ -133,13 +118,27 @@ def check_sample(surface: Surface, model: Model, heights: Heights | None = None)
     SurfaceError
         As :func:`make_sample`.
     """
-    if isinstance(surface, FileSurface):
-        heights = heights or read_heights(surface)
-        _check_dimension(surface, model, heights.shape)
-        if model.dimension == 0 and heights.fault:
-            raise SurfaceError(heights.fault)
+    if isinstance(surface, MeasuredSurface):
+        known = known or read_heights(surface)
+        _check_dimension(surface, model, known)
+        if model.dimension == 0:
+            known.needed_spectrum()
+        elif draws_lines(model, known):
+            model.grid_points(known.needed_spectrum(), known.longest_side)
+        else:
+            _check_options(model)
     elif model.dimension > 0:
         model.grid_points(surface.spectrum(), surface.length)
+
+
+def _check_options(model: Model) -> None:
+    """Refuse what has no meaning for heights that are there already."""
+    for option in model.sampling:
+        if option in model.model_fields_set:
+            raise SurfaceError(
+                f"{option} of {model.name} has no meaning for measured heights, which bring "
+                "their grid; remove it"
+            )
 
 
 def rms_of(sample: Sample) -> tuple[float, float]:
@@ -152,33 +151,49 @@ def rms_of(sample: Sample) -> tuple[float, float]:
 
 
 def describe(
-    surface: Surface, model: Model, heights: Heights | None = None
+    surface: Surface, model: Model, known: Heights | None = None
 ) -> dict[str, Attribute]:
     """Return the attributes of a group of results: the surface's and the model's parameters.
 
-    ``rms_height`` and ``rms_slope`` are those of the spectrum (continuum), for heights
-    from a file those of the heights. ``grid_points`` is the resolved number of points
-    per side.
+    ``rms_height`` and ``rms_slope`` are those of the spectrum (continuum), for measured
+    heights those of the heights. ``grid_points`` is the resolved number of points
+    per side; of heights that are no square it is that along the first axis, and
+    ``grid_columns`` that along the second. ``drawn`` says what is drawn at random with the
+    spectrum of measured heights, and ``warnings`` what makes answers on them doubtful, as JSON.
     """
     options = model.model_dump(exclude={"kind", "label", "realizations"}, exclude_none=True)
-    attributes: dict[str, Attribute] = {"surface": surface.kind, "length": surface.length}
-    if isinstance(surface, FileSurface):
-        heights = heights or read_heights(surface)
+    attributes: dict[str, Attribute] = {"surface": surface.kind}
+    if isinstance(surface, MeasuredSurface):
+        known = known or read_heights(surface)
+        attributes["length"] = known.length
         attributes["heights"] = surface.path
-        attributes["rms_height"] = heights.rms_height
-        attributes["rms_slope"] = heights.rms_slope
-        n_points = heights.shape[0]
-        for name in model.sampling[1:]:
-            options.pop(name, None)
+        attributes["rms_height"] = known.rms_height
+        attributes["rms_slope"] = known.rms_slope
+        if known.doubts:
+            attributes["warnings"] = json.dumps(
+                [doubt.text for doubt in known.doubts], ensure_ascii=False
+            )
+        n_points = known.shape[0]
+        if is_drawn(surface, model, known):
+            attributes["drawn"] = "twins" if model.dimension == 2 else "lines"
+        if draws_lines(model, known):
+            attributes["length"] = known.longest_side
+            n_points = model.grid_points(known.needed_spectrum(), known.longest_side)
+        else:
+            for name in model.sampling[1:]:
+                options.pop(name, None)
     else:
         spectrum = surface.spectrum()
         parameters = surface.model_dump(exclude={"kind", "length", "rms_height", "rms_slope"})
+        attributes["length"] = surface.length
         attributes |= parameters
         attributes["rms_height"] = spectrum.rms_height
         attributes["rms_slope"] = spectrum.rms_slope
         n_points = model.grid_points(spectrum, surface.length) if model.dimension else 0
     if model.dimension:
         attributes["grid_points"] = n_points
+        if known is not None and not draws_lines(model, known) and known.shape[-1] != n_points:
+            attributes["grid_columns"] = known.shape[-1]
         options |= dict.fromkeys(model.sampling[:1], n_points)
     if source := source_of(model):
         attributes["source"] = source
@@ -194,28 +209,10 @@ def _plain(value: object) -> Attribute:
     return value if isinstance(value, str | int | float) else str(value)
 
 
-def _load(surface: FileSurface) -> tuple[FloatArray, str]:
-    """Read heights; returns them without their mean, and the digest of what was read.
-
-    Whoever computes with them compares this digest: a second read may find another file.
-    """
-    heights = load_heights(surface.path, surface.folder)
-    content = hashlib.sha256(repr(heights.shape).encode())
-    content.update(heights.data)
-    heights -= heights.mean()
-    return heights, content.hexdigest()[:20]
-
-
-def _check_dimension(surface: FileSurface, model: Model, shape: tuple[int, ...]) -> None:
-    if model.dimension in (0, len(shape)):
+def _check_dimension(surface: MeasuredSurface, model: Model, known: Heights) -> None:
+    if model.dimension < 2 or len(known.shape) == 2:
         return
-    remedy = (
-        "give a two-dimensional array"
-        if model.dimension == 2
-        else "give one line of it, as heights[0]"
-    )
     raise SurfaceError(
-        f"{surface.path}: its shape is {shape}, but {model.name} needs "
-        f"{model.dimension} dimension{'s' * (model.dimension > 1)}; {remedy}, "
-        f"or remove {model.name} from the models"
+        f"{surface.path}: its shape is {known.shape}, but {model.name} needs 2 dimensions; "
+        f"give a two-dimensional array, or remove {model.name} from the models"
     )

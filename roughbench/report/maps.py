@@ -8,10 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from roughbench.numbers import number
 from roughbench.report.pictures import address, coarse, levels, picture
 from roughbench.report.sources import ReportSource
-from roughbench.report.text import RichText, Span, joined
+from roughbench.report.text import RichText, Span, joined, pressure_words
 from roughbench.results import ModelResult
 
 MOST_MAPS = 12
@@ -61,11 +60,11 @@ def _map(source: ReportSource, experiment: str, result: ModelResult, k: int) -> 
     pressure = np.asarray(result["field_pressure"][k], float)
     parts = [source.curve_name(experiment, result.label)]
     if "field_nominal_pressure" in result:
-        parts.append([Span(f"p/E* = {number(float(result['field_nominal_pressure'][k]))}")])
+        parts.append([Span(pressure_words(result, float(result["field_nominal_pressure"][k])))])
     if "field_realization" in result:
         parts.append([Span(f"realization {int(result['field_realization'][k])}")])
     title = source.title(result.label)
-    slope = float(result.attributes["rms_slope"])
+    slope = float(result.attributes["rms_slope"]) * (result.modulus or 1.0)
     return FieldMap(
         joined(parts),
         f"Map of the contact pressure of {title}, {experiment}, {source.name}",

@@ -8,7 +8,13 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.figures.observed import DECADES, drawn_unit, unknown_observables
+from roughbench.figures.observed import (
+    DECADES,
+    ObservableAxes,
+    drawn_unit,
+    observable_axes,
+    unknown_observables,
+)
 from roughbench.observables import OBSERVABLES, Observable, clusters
 from roughbench.report.charts import ChartSeries, Ranges, ReportChart
 from roughbench.report.sources import ReportSource
@@ -54,20 +60,21 @@ def observable_charts(
     models = list(drawn_models(source, styles))
     pressures = drawn_pressures(source)
     for name, kind in charted_observables(source).items():
+        shown = observable_axes(source.results, kind)
         series = [
             one
             for model in models
             if f"{name}_bin" in model.result
             for p in pressures
-            for one in _series(model, kind, p)
+            for one in _series(model, kind, p, shown)
         ]
         if series:
             yield ReportChart(
                 name.replace("_", "-"),
                 kind.title,
                 f"{kind.title} at single pressures, {source.name}",
-                kind.x.replace("$", ""),
-                kind.y.replace("$", ""),
+                shown.x_label.replace("$", ""),
+                shown.y_label.replace("$", ""),
                 series,
                 _ranges(series),
                 (kind.x_is_log, True),
@@ -75,7 +82,7 @@ def observable_charts(
 
 
 def _series(
-    model: DrawnModel, observable: Observable, pressure: float
+    model: DrawnModel, observable: Observable, pressure: float, shown: ObservableAxes
 ) -> Iterator[ChartSeries]:
     """Yield the curve of a model at one pressure, and Persson's theory if it is there."""
     result, name = model.result, observable.variable
@@ -83,7 +90,8 @@ def _series(
     if there.size == 0:
         return
     x = np.asarray(result[f"{name}_bin"], float)
-    unit = drawn_unit(result, observable)
+    unit = drawn_unit(result, observable) * shown.divisor(result)
+    x = x * shown.x
 
     def values(kind: str) -> FloatArray:
         return np.asarray(result[f"{name}_{kind}"], float)[int(there[0])] / unit
@@ -94,10 +102,10 @@ def _series(
         theory = f"Persson, beside {model.name}"
         curves.append((theory, values("persson"), none, THEORY_COLOUR, "dot"))
     for title, y, error, colour, dash in curves:
-        shown = _shown(y)
-        y, error = np.where(y > 0.0, y, math.nan)[shown], error[shown]
+        kept = _shown(y)
+        y, error = np.where(y > 0.0, y, math.nan)[kept], error[kept]
         meta = model.meta | {"pressure": pressure_key(pressure)}
-        yield ChartSeries(title, meta, x[shown], y, y - error, y + error, colour, dash)
+        yield ChartSeries(title, meta, x[kept], y, y - error, y + error, colour, dash)
 
 
 def _shown(y: FloatArray) -> NDArray[np.bool_]:

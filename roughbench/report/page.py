@@ -10,6 +10,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from roughbench import __version__
+from roughbench.figures.axes import axes_of
 from roughbench.numbers import measured, number
 from roughbench.report.curves import pressure_charts
 from roughbench.report.maps import COLOURS, MOST_MAPS, field_maps, n_fields
@@ -77,6 +78,8 @@ def render(
             ],
             fits=list(fit_tables(sources, experiments)),
             remarks=_by_topic(remarks(sources)),
+            all_have_units=all(source.results.has_units for source in sources),
+            any_has_units=any(source.results.has_units for source in sources),
             colours=COLOURS,
             height_colours=HEIGHT_COLOURS,
             most_points=MOST_POINTS,
@@ -133,6 +136,7 @@ def _file(key: str, source: ReportSource, styles: dict[str, PageStyle]) -> dict[
         "surfaces": surface_sections(source),
         "synthetic": synthetic_table(source),
         "pressures": drawn_pressures(source),
+        "pressure": axes_of(source.results).pressure,
         "charts": pressure_charts(source, styles),
         "observables": list(observable_charts(source, styles)),
         "maps": field_maps(source),

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.errors import SurfaceError
 from roughbench.numbers import number, with_error
 from roughbench.report.charts import ChartSeries, Ranges, ReportChart
 from roughbench.report.pictures import address, coarse, levels, picture
@@ -17,8 +16,7 @@ from roughbench.report.sources import ReportSource
 from roughbench.report.tables import ReportTable, TableCell
 from roughbench.report.text import RichText, Span, from_notation, joined
 from roughbench.results import ModelResult
-from roughbench.spectrum import self_affine
-from roughbench.surface_record import SurfaceRecord
+from roughbench.surface_record import SurfaceRecord, fitted_spectrum
 from roughbench.units import in_words, prefix
 
 FloatArray = NDArray[np.float64]
@@ -164,27 +162,6 @@ def _spectrum_chart(record: SurfaceRecord) -> ReportChart:
     )
 
 
-def fitted_spectrum(
-    fit: Mapping[str, float] | None,
-) -> tuple[FloatArray, FloatArray] | None:
-    """Return q (1/m) and C2D (m⁴) of the self-affine law, from q0 to q1; None without one."""
-    if fit is None:
-        return None
-    try:
-        law = self_affine(
-            hurst=fit["H"],
-            q_min=fit["q0"],
-            q_rolloff=max(fit["qr"], fit["q0"]),
-            q_max=fit["q1"],
-            rms_slope=fit["slope"],
-        )
-    except SurfaceError:  # a fit may end at H = 1, which is no self-affine law
-        return None
-    q = np.repeat(law.edges, 2)[1:-1]
-    power = np.repeat(law.prefactors, 2) * q ** -np.repeat(law.exponents, 2)
-    return q, power
-
-
 def _height_chart(record: SurfaceRecord) -> ReportChart:
     height, density = (np.asarray(values, float) for values in record.height_density)
     factor, unit = prefix(height, "m")
@@ -309,7 +286,9 @@ def synthetic_table(source: ReportSource) -> ReportTable | None:
     table: list[list[TableCell]] = [
         [joined(names, "; "), *cells] for cells, names in rows.items()
     ]
-    notes = ["Drawn at random with this spectrum; lengths in one unit, that of the spec."]
+    notes = ["Drawn at random with this spectrum."]
+    if not source.results.has_units:
+        notes = ["Drawn at random with this spectrum; lengths in one unit, that of the spec."]
     return ReportTable(headings, table, notes=notes, is_numeric=False)
 
 
@@ -319,4 +298,6 @@ def _cell_of(result: ModelResult, name: str) -> str:
     value = float(result.attributes[name])
     if name.startswith("q_"):
         value = 2.0 * math.pi / value
+    if result.has_units and name not in ("hurst", "rms_slope"):
+        return in_words(value, "m", 4)
     return number(value, 4)

@@ -7,12 +7,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
+from roughbench.figures.axes import axes_of
 from roughbench.fits import Estimate
 from roughbench.fits.tables import Table, departure_tables, law_tables
 from roughbench.numbers import measured, number, series
 from roughbench.report.sources import ReportSource
 from roughbench.report.text import RichText, Span, from_heading, joined, without_folders
-from roughbench.results import ModelResult
+from roughbench.results import MODULUS, ModelResult
+from roughbench.units import in_words, prefix
 from roughbench.verdict import FittedExperiment
 
 TableCell = str | RichText
@@ -26,9 +28,14 @@ _SURFACE = {
     "rms_height": "h_rms",
     "length": "L",
 }
+_SI = {"q_min": "1/m", "q_rolloff": "1/m", "q_max": "1/m", "rms_height": "m", "length": "m"}
+"""Units of those that have one, of results with units."""
 _SPEC_NAMES = {"below_rolloff": "below_qr"}
 """Attribute of the results → key of the spec, where they differ."""
-_NOT_OPTIONS = {*_SURFACE, "surface", "seed", "grid_points"}
+_NOT_OPTIONS = {
+    *(*_SURFACE, MODULUS, "surface", "seed", "warnings"),
+    *("grid_points", "grid_columns"),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,12 +64,26 @@ def compared(sources: Sequence[ReportSource]) -> ReportTable:
             _surface(source),
             _experiments(source),
             joined([_counted(models) for models in source.by_label().values()], "\n"),
-            series((float(p) for _, r in source.models() for p in r["pressure"]), most=3),
+            _pressures(source),
         )
         for source in sources
     ]
-    headings = ("File, run", "Surfaces", "Sweep", "Models", "Pressures p/E*")
+    headings = ("File, run", "Surfaces", "Sweep", "Models", "Pressures")
     return ReportTable(headings, rows, is_numeric=False)
+
+
+def _pressures(source: ReportSource) -> str:
+    axis = axes_of(source.results).pressure
+    values = (
+        float(p) / axis.divisor(result)
+        for _, result in source.models()
+        for p in result["pressure"]
+    )
+    text = series(values, most=3)
+    if not axis.unit:
+        return f"{axis.symbol} = {text}"
+    modulus = next((r.modulus for _, r in source.models() if r.modulus is not None), math.nan)
+    return f"{text} {axis.unit}, E* = {in_words(modulus, 'Pa')}"
 
 
 def _surface(source: ReportSource) -> RichText:
@@ -71,8 +92,12 @@ def _surface(source: ReportSource) -> RichText:
     for name, symbol in _SURFACE.items():
         values = [float(attributes[name]) for attributes in known if name in attributes]
         if values:
-            parts.append([*from_heading(symbol), Span(f"\xa0=\xa0{series(values)}")])
-    paths = [str(a["heights"]) for a in known if a["surface"] == "file"]
+            text = series(values)
+            if source.results.has_units and name in _SI:
+                factor, unit = prefix(values, _SI[name])
+                text = f"{series([value * factor for value in values])} {unit}"
+            parts.append([*from_heading(symbol), Span(f"\xa0=\xa0{text}")])
+    paths = [str(a["heights"]) for a in known if "heights" in a]
     names = {PurePosixPath(path.replace("\\", "/")).name for path in paths}
     return joined([*parts, *(f"heights of {name}" for name in sorted(names))])
 

@@ -12,6 +12,8 @@ from typing import NamedTuple
 
 from roughbench.models import BUILT_IN
 from roughbench.numbers import number
+from roughbench.results import ModelResult
+from roughbench.units import in_words
 
 
 class Span(NamedTuple):
@@ -141,6 +143,13 @@ def plotly_text(text: RichText) -> str:
         f"<{style}>{html.escape(piece)}</{style}>" if style else html.escape(piece)
         for piece, style in text
     )
+
+
+def pressure_words(result: ModelResult, pressure: float) -> str:
+    """Return a pressure of some results in words: p/E* = 0.001, or with units p = 1 MPa."""
+    if result.has_units:
+        return f"p = {in_words(pressure, 'Pa')}"
+    return f"p/E* = {number(pressure)}"
 
 
 def without_folders(text: str) -> str:

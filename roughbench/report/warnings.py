@@ -19,6 +19,7 @@ from roughbench.report.curves import has_quantity
 from roughbench.report.sources import ReportSource
 from roughbench.results import ModelResult
 from roughbench.spec import parse_spec
+from roughbench.units import prefix
 
 FEWEST_REALIZATIONS = 5
 LARGE_ERROR = 0.1
@@ -85,25 +86,38 @@ def remarks(sources: Sequence[ReportSource]) -> list[Remark]:
     return sorted(found, key=lambda r: (r.topic in _NOTES, topics.index(r.topic)))
 
 
-def at_pressures(pressure: NDArray[np.float64], chosen: NDArray[np.bool_]) -> str:
-    """Return which pressures are meant, in words.
+def at_pressures(
+    pressure: NDArray[np.float64], chosen: NDArray[np.bool_], modulus: float | None = None
+) -> str:
+    """Return which pressures p/E* are meant, in words; with a modulus (Pa), in its unit.
 
     Examples
     --------
     >>> at_pressures(np.array([1e-3, 1e-2, 0.1]), np.array([True, True, False]))
     'at p/E* = 0.001 and 0.01'
+    >>> at_pressures(np.array([1e-3, 1e-2, 0.1]), np.array([True, True, False]), 2e9)
+    'at p = 2 and 20 MPa'
     """
+    symbol, end = "p/E*", ""
+    if modulus is not None:
+        factor, unit = prefix((pressure[chosen] * modulus).tolist(), "Pa")
+        pressure = pressure * modulus * factor
+        symbol, end = "p", f" {unit}"
     meant = [number(value) for value in pressure[chosen]]
     if chosen.all() and len(meant) > 2:
         return f"at all {len(meant)} pressures"
     if len(meant) <= 3:
         last = f" and {meant[-1]}" if len(meant) > 1 else meant[-1]
-        return f"at p/E* = {', '.join(meant[:-1])}{last}"
-    first, end = np.flatnonzero(chosen)[[0, -1]]
-    lowest, highest = number(pressure[first]), number(pressure[end])
-    if end - first + 1 == len(meant):
-        return f"at the {len(meant)} pressures p/E* = {lowest} to {highest}"
-    return f"at {len(meant)} pressures between p/E* = {lowest} and {highest}"
+        return f"at {symbol} = {', '.join(meant[:-1])}{last}{end}"
+    first, final = np.flatnonzero(chosen)[[0, -1]]
+    lowest, highest = number(pressure[first]), number(pressure[final])
+    if final - first + 1 == len(meant):
+        return f"at the {len(meant)} pressures {symbol} = {lowest} to {highest}{end}"
+    return f"at {len(meant)} pressures between {symbol} = {lowest} and {highest}{end}"
+
+
+def _at(result: ModelResult, chosen: NDArray[np.bool_]) -> str:
+    return at_pressures(result.reduced()["pressure"], chosen, result.modulus)
 
 
 def _share(part: ArrayLike, whole: ArrayLike) -> NDArray[np.float64]:
@@ -124,11 +138,11 @@ def _unconverged(result: ModelResult) -> Iterator[tuple[str, str]]:
     ends = ", ".join(f"{count} {name}" for name, count in counts.items() if count)
     text = (
         f"{result.n_unconverged} of {result.n_states} states did not converge ({ends}), "
-        f"{at_pressures(result['pressure'], (status != 0).any(axis=0))}"
+        f"{_at(result, (status != 0).any(axis=0))}"
     )
     lost = (status != 0).all(axis=0)
     if lost.any():
-        text += f"; nothing is left {at_pressures(result['pressure'], lost)}"
+        text += f"; nothing is left {_at(result, lost)}"
     yield "States that did not converge", f"{text}."
 
 
@@ -150,12 +164,13 @@ def _few_points(result: ModelResult) -> Iterator[tuple[str, str]]:
     if not is_counted or "grid_points" not in result.attributes:
         return
     raw, area = (np.asarray(result[f"{name}_mean"], float) for name in ("area_raw", "area"))
-    points = raw * float(result.attributes["grid_points"]) ** 2
+    rows = float(result.attributes["grid_points"])
+    points = raw * rows * float(result.attributes.get("grid_columns", rows))
     few = (points > 0.0) & (points < FEWEST_CONTACT_POINTS)
     if few.any():
         text = (
             f"fewer than {FEWEST_CONTACT_POINTS} points of the grid touch "
-            f"{at_pressures(result['pressure'], few)} (on average, down to "
+            f"{_at(result, few)} (on average, down to "
             f"{number(points[few].min(), 2)})."
         )
         yield "Contacts of few points", text
@@ -164,7 +179,7 @@ def _few_points(result: ModelResult) -> Iterator[tuple[str, str]]:
     if large.any():
         text = (
             "the area counted in points and the one corrected for the perimeter differ by "
-            f"up to {100.0 * share.max():.0f} % {at_pressures(result['pressure'], large)}."
+            f"up to {100.0 * share.max():.0f} % {_at(result, large)}."
         )
         yield "Contacts of few points", text
 
@@ -180,7 +195,7 @@ def _scatter(result: ModelResult) -> Iterator[tuple[str, str]]:
         if has_quantity(result, name):
             share = _share(result[f"{name}_sem"], result[f"{name}_mean"])
             if (large := share > LARGE_ERROR).any():
-                place = at_pressures(result["pressure"], large)
+                place = _at(result, large)
                 parts.append(
                     f"{typeset(quantity.symbol)} {place} (up to {100.0 * share.max():.0f} %)"
                 )
@@ -192,7 +207,7 @@ def _medians(result: ModelResult) -> Iterator[tuple[str, str]]:
     if has_quantity(result, "stiffness") and result.n_realizations > 1:
         infinite = np.isinf(result["stiffness_mean"])
         if infinite.any():
-            yield "Full contact", f"{at_pressures(result['pressure'], infinite)}."
+            yield "Full contact", f"{_at(result, infinite)}."
 
 
 # -- one file ----------------------------------------------------------------------------
@@ -213,10 +228,12 @@ def _missing_parts(source: ReportSource) -> Iterator[Remark]:
             if model.name not in models:
                 yield Remark("Missing parts", where, "is in the spec, but not in the file.")
                 continue
-            there, asked = models[model.name]["pressure"], np.asarray(wanted.pressures)
+            kept = models[model.name]
+            there, asked = kept.reduced()["pressure"], np.asarray(wanted.pressures)
             absent = ~np.isclose(asked[:, None], there[None, :], rtol=1e-9).any(axis=1)
             if absent.any():
-                missing = f"states {at_pressures(asked, absent)} that are not in the file."
+                meant = at_pressures(asked, absent, kept.modulus)
+                missing = f"states {meant} that are not in the file."
                 yield Remark("Missing pressures", where, f"the spec asks for {missing}")
 
 

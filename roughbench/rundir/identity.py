@@ -22,11 +22,12 @@ import roughbench.observables
 from roughbench.models.base import Model
 from roughbench.observables import OBSERVABLES, Observable
 from roughbench.planning.plan import Cell
+from roughbench.planning.samples import draws_lines
 from roughbench.public import LAZY
 from roughbench.quantities import QUANTITIES
 from roughbench.rundir import source
 from roughbench.source_files import installed_files, origin_of
-from roughbench.spec import SelfAffineSurface
+from roughbench.spec import MeasuredSurface, SelfAffineSurface
 
 Identity = Mapping[str, str | int | float]
 """Flat: key path in a spec, ``threads`` or ``code`` → value."""
@@ -36,8 +37,8 @@ _numerics = re.compile(
     r"roughbench\.(models\.\w+|surface|spectrum|transform|heights_file)\b", re.ASCII
 ).match
 _public = {f"roughbench.{name}": module for name, module in LAZY.items()}
-_SAMPLES_FILE = "roughbench/planning/samples.py"
-_SAMPLES = ("surface", "spectrum", "heights_file", "planning.samples")
+_SAMPLES_FILES = {"roughbench/planning/samples.py", "roughbench/planning/measured.py"}
+_SAMPLES = ("surface", "spectrum", "heights_file", "planning.samples", "planning.measured")
 
 
 def identity(cell: Cell, threads: int) -> Identity:
@@ -64,9 +65,16 @@ def identity(cell: Cell, threads: int) -> Identity:
     )
     values = {f"model.{name}": value for name, value in options.items() if value is not None}
     values["model.kind"] = model.kind  # where its file lies does not matter
-    given = surface.model_dump(by_alias=True, exclude_none=True, exclude={"path"})
-    if cell.heights is not None:
+    given = surface.model_dump(by_alias=True, exclude_none=True, exclude={"path", "accept"})
+    if cell.heights is not None and isinstance(surface, MeasuredSurface):
+        # Of what was prepared it does not matter how.
+        given = {"kind": surface.kind, "length": cell.heights.length}
         given["heights"] = cell.heights.digest
+        if cell.is_random:
+            given["drawn"] = "twins" if model.dimension == 2 else "lines"
+            values["seed"] = cell.seed
+        if draws_lines(model, cell.heights):
+            values["model.grid"] = cell.n_points
     elif model.dimension and isinstance(surface, SelfAffineSurface):
         values["model.grid"] = model.grid_points(surface.spectrum(), surface.length)
         values["seed"] = cell.seed
@@ -141,7 +149,7 @@ def _digests(waiting: list[dict[str, str]]) -> list[str]:
             if path in digests:
                 continue
             digests[path] = source.digest(text)
-            if path == _SAMPLES_FILE:  # imports what describes models
+            if path in _SAMPLES_FILES:  # imports what describes models
                 continue
             names = {_public.get(name, name) for name in source.imported(text)}
             found = {match[1] for name in names if (match := _numerics(name))}
@@ -187,7 +195,7 @@ def _files_of(observable: Observable) -> list[Path]:
 def assembly_digest() -> str:
     """Return a digest of what the source files compute that make a results file of shards."""
     names = ["ensemble", "quantities", "results", "store", "variables", "spectrum"]
-    names += ["runner/assemble", "rundir/collected", "planning/samples"]
+    names += ["runner/assemble", "rundir/collected", "planning/samples", "planning/measured"]
     paths = [_PACKAGE / f"{name}.py" for name in names]
     texts = [path.read_text(encoding="utf-8") for path in paths]
     described = [repr(quantity) for quantity in QUANTITIES.values()]  # of other packages too

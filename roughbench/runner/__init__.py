@@ -8,7 +8,7 @@ jobs, to the last bit.
 from __future__ import annotations
 
 from roughbench.engines.cluster import Cluster
-from roughbench.planning.plan import check, plan
+from roughbench.planning.plan import check, plan, warnings
 from roughbench.planning.resources import available_cores
 from roughbench.planning.samples import make_sample
 from roughbench.rundir.folder import folder_of
@@ -36,4 +36,5 @@ __all__ = [
     "run_to_file",
     "status",
     "verify",
+    "warnings",
 ]

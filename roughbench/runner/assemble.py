@@ -27,7 +27,8 @@ def assemble(cell: Cell, block: Block) -> ModelResult:
     -------
     ModelResult
         Summaries leave out the states that did not converge; ``n_converged`` counts
-        those that did.
+        those that did. In SI, if the spec has units: up to here everything is computed and
+        kept with E* = 1.
     """
     variables: dict[str, Array] = {"pressure": cell.pressure_array()}
     variables |= {
@@ -48,7 +49,7 @@ def assemble(cell: Cell, block: Block) -> ModelResult:
         if quantity.has_harmonic_mean and name in variables:
             variables[f"{name}_harmonic"] = harmonic_mean(variables[name], converged)
     variables |= observing.averages(cell, variables, converged)
-    return ModelResult(
+    result = ModelResult(
         label=cell.model.name,
         kind=cell.model.kind,
         title=cell.model.title,
@@ -58,6 +59,7 @@ def assemble(cell: Cell, block: Block) -> ModelResult:
         variables=variables,
         described=observing.described(cell),
     )
+    return result if cell.modulus is None else result.in_si(cell.modulus)
 
 
 def _positions(cell: Cell, block: Block) -> dict[str, Array]:
@@ -65,7 +67,7 @@ def _positions(cell: Cell, block: Block) -> dict[str, Array]:
     if "field_pressure" not in block:
         return {}
     shape = block["field_pressure"].shape[1:]
-    spacing = cell.surface.length / shape[0]
+    spacing = cell.length / shape[0]
     axes = dimensions("field_pressure", 1 + len(shape))[1:]
     return {
         axis: spacing * np.arange(n, dtype=np.float64)

@@ -18,7 +18,7 @@ from roughbench.engines.local import (
 )
 from roughbench.errors import StoreError
 from roughbench.outputs import Kind, check_output
-from roughbench.planning.plan import Cell, Task, check, plan
+from roughbench.planning.plan import Cell, Task, check, plan, warnings
 from roughbench.planning.resources import ResourceLimits, check_memory, resource_limits
 from roughbench.publish import make_folder, put, refusals_named
 from roughbench.results import MadeWhenAsked, ModelResult, Results
@@ -30,11 +30,12 @@ from roughbench.runner.monitor import RunMonitor, monitored
 from roughbench.runner.overview import PlanRow, overview
 from roughbench.runner.progress import ProgressListener
 from roughbench.runner.provenance import inputs_of, provenance, spent
+from roughbench.runner.recording import records
 from roughbench.runner.scan import CellState, scan
 from roughbench.runner.selection import select
 from roughbench.runner.speed import Speeds
 from roughbench.seal import sha256_of
-from roughbench.spec import FileSurface, Source, Spec, load_spec
+from roughbench.spec import MeasuredSurface, Source, Spec, load_spec
 from roughbench.store import RESULTS, RESULTS_OR_STUMP, load, whose, written_results
 
 
@@ -207,6 +208,8 @@ def _run(
         ):
             if folder is not None and changed:
                 log.warning("%s", changed)
+            for text in warnings(cells):
+                log.warning("%s", text)
             cell_states = _scan(cells, limits, folder, force=force)
             if folder is not None:
                 folder.write_request(_request(resolved, cell_states, command))
@@ -282,7 +285,7 @@ def _check_files(
     log_file: str | os.PathLike[str] | None,
 ) -> None:
     """Refuse outputs that would replace what they must not, or cannot be written."""
-    heights = {c.surface.file for c in cells if isinstance(c.surface, FileSurface)}
+    heights = {c.surface.file for c in cells if isinstance(c.surface, MeasuredSurface)}
     if output is not None:
         check_output(output, _kind(RunFolder(output)), heights)
     if log_file is not None:
@@ -374,6 +377,7 @@ def _results(spec: Spec, cell_states: Sequence[CellState], *, kept: bool = True)
         spec.text,
         spec.sha256,
         spec.name,
+        records([cell_state.cell for cell_state in cell_states]),
     )
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 _METRES = {
     **dict.fromkeys(("m", "meter", "meters", "metre", "metres"), 1.0),
     "cm": 1e-2,
@@ -16,7 +14,6 @@ _METRES = {
     **dict.fromkeys(("Å", "Å", "angstrom", "angstroms", "ångström"), 1e-10),
     "pm": 1e-12,
 }
-_PREFIXES = {0: "m", -1: "mm", -2: "µm", -3: "nm", -4: "pm"}
 
 
 def in_metres(unit: str) -> float | None:
@@ -29,18 +26,3 @@ def in_metres(unit: str) -> float | None:
     """
     name = unit.strip()
     return _METRES.get(name) or _METRES.get(name.lower() if len(name) > 2 else "")
-
-
-def in_words(length: float) -> str:
-    """Return a length in m with a prefix, to nine digits.
-
-    Examples
-    --------
-    >>> in_words(1e-5), in_words(0.0), in_words(1.23456789e-7)
-    ('10 µm', '0 m', '123.456789 nm')
-    """
-    if not 0.0 < abs(length) < math.inf:
-        return f"{length:g} m"
-    power = math.floor(math.log10(abs(length)) / 3.0 + 1e-12)
-    power = min(max(power, min(_PREFIXES)), max(_PREFIXES))
-    return f"{length * 1000.0**-power:.9g} {_PREFIXES[power]}"

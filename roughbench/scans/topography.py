@@ -13,8 +13,8 @@ from roughbench.errors import SurfaceError
 from roughbench.heights_file import check_there
 from roughbench.scans import arrays, datasets, instruments, tables
 from roughbench.scans.image import Image
-from roughbench.scans.lengths import in_words
 from roughbench.text import on_one_line
+from roughbench.units import in_words
 
 FloatArray = NDArray[np.float64]
 
@@ -223,8 +223,8 @@ def _settled_unit(image: Image, given: float | None, name: str) -> float:
         return given
     if given is not None and _differ((image.unit,), (given,)):
         raise SurfaceError(
-            f"{name}: the file says that one unit of the heights is {in_words(image.unit)}, "
-            f"unit: says {in_words(given)}; leave unit: out, or correct the file"
+            f"{name}: the file says that one unit of the heights is {_said(image.unit)}, "
+            f"unit: says {_said(given)}; leave unit: out, or correct the file"
         )
     return image.unit
 
@@ -264,4 +264,9 @@ def _differ(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
 
 def _both(size: tuple[float, float]) -> str:
     """Say a size as specs do, x first."""
-    return f"[{in_words(size[1])}, {in_words(size[0])}]"
+    return f"[{_said(size[1])}, {_said(size[0])}]"
+
+
+def _said(length: float) -> str:
+    """Say a length in m with the digits that must agree."""
+    return in_words(length, "m", digits=9)

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from roughbench.spec.loading import Source, load_spec, parse_spec
+from roughbench.spec.measured import FileSurface, MeasuredSurface, ScanSurface
 from roughbench.spec.model import Spec
 from roughbench.spec.pressures import PressureRange
 from roughbench.spec.schema import json_schema
-from roughbench.spec.surfaces import FileSurface, SelfAffineSurface
+from roughbench.spec.surfaces import SelfAffineSurface
 
 __all__ = [
     "FileSurface",
+    "MeasuredSurface",
     "PressureRange",
+    "ScanSurface",
     "SelfAffineSurface",
     "Source",
     "Spec",

@@ -11,10 +11,12 @@ import numpy as np
 from roughbench.errors import SurfaceError, explained
 from roughbench.models.base import Model
 from roughbench.spec.fields import SavedFields
+from roughbench.spec.measured import MeasuredSurface
 from roughbench.spec.pressures import is_among, nearest
-from roughbench.spec.surfaces import FileSurface, SelfAffineSurface
+from roughbench.spec.surfaces import AnySurface, SelfAffineSurface
 from roughbench.spec.tree import Finding, KeyPath, lookup
 from roughbench.text import on_one_line
+from roughbench.units import in_words
 
 _MOST_WAVES = 1e9
 """Waves per side past which no grid is worth naming."""
@@ -24,10 +26,12 @@ Numbered = Sequence[tuple[int, Model]]
 
 def check_fit(
     tree: Any,
-    surface: SelfAffineSurface | FileSurface | None,
+    surface: AnySurface | None,
     models: Numbered,
     pressures: tuple[float, ...],
     saved: SavedFields | None,
+    *,
+    has_units: bool = False,
 ) -> Iterator[Finding]:
     """Yield every misfit between the valid parts of a spec.
 
@@ -35,7 +39,7 @@ def check_fit(
     ----------
     tree : dict
         The spec's tree, for what was written and what is a default.
-    surface : SelfAffineSurface, FileSurface or None
+    surface : SelfAffineSurface, MeasuredSurface or None
         None if it is not valid by itself.
     models : sequence of (int, Model)
         The valid ones, with their places in the list.
@@ -43,24 +47,26 @@ def check_fit(
         Empty if they are not valid by themselves.
     saved : SavedFields or None
         None if nothing is to be kept, or it is not valid by itself.
+    has_units : bool
+        Whether the pressures are in Pa.
     """
     yield from _names(tree, models)
     yield from _deterministic(models)
     yield from _without_effect(models)
     if saved is not None:
         if pressures:
-            yield from _saved_pressures(saved, pressures)
-        if not isinstance(surface, FileSurface):
+            yield from _saved_pressures(saved, pressures, has_units=has_units)
+        if not isinstance(surface, MeasuredSurface):
             yield from _saved_realizations(tree, saved, models)
     if isinstance(surface, SelfAffineSurface):
         yield from _grids(surface, models)
-    elif isinstance(surface, FileSurface):
+    elif isinstance(surface, MeasuredSurface):
         yield from _given_heights(tree, models)
 
 
-def check_file(surface: SelfAffineSurface | FileSurface | None) -> Iterator[Finding]:
+def check_file(surface: AnySurface | None) -> Iterator[Finding]:
     """Yield a finding if the file of heights is not there, which no spec can know."""
-    if isinstance(surface, FileSurface):
+    if isinstance(surface, MeasuredSurface):
         name = on_one_line(str(surface.file))
         try:
             if not surface.file.is_file():
@@ -98,13 +104,18 @@ def _without_effect(models: Numbered) -> Iterator[Finding]:
                 yield Finding(("models", number, option), message)
 
 
-def _saved_pressures(saved: SavedFields, pressures: tuple[float, ...]) -> Iterator[Finding]:
+def _saved_pressures(
+    saved: SavedFields, pressures: tuple[float, ...], *, has_units: bool
+) -> Iterator[Finding]:
+    def says(pressure: float) -> str:
+        return in_words(pressure, "Pa", 9) if has_units else f"{pressure:.9g}"
+
     for number, pressure in enumerate(saved.pressures):
         if not is_among(pressure, pressures):
             yield Finding(
                 ("save_fields", "pressures", number),
-                f"{pressure:.9g} is none of the spec's pressures; add it to them, or write "
-                f"the nearest, {nearest(pressure, pressures):.9g}",
+                f"{says(pressure)} is none of the spec's pressures; add it to them, or write "
+                f"the nearest, {says(nearest(pressure, pressures))}",
             )
 
 
@@ -157,20 +168,35 @@ def _grid_option(number: int, model: Model) -> KeyPath:
 
 
 def _given_heights(tree: Any, models: Numbered) -> Iterator[Finding]:
-    if (lookup(tree, ("realizations",)) or 1) != 1:
-        yield Finding(("realizations",), "heights from a file are one realization; remove this")
+    """Yield what has no meaning for measured heights, whatever their file holds."""
     kept = lookup(tree, ("save_fields", "realizations"))
+    on_lines = any(model.dimension == 1 for _, model in models)
+    if (lookup(tree, ("realizations",)) or 1) != 1 and not on_lines:
+        message = "measured heights are one realization; remove this (twins: draws more)"
+        yield Finding(("realizations",), message)
     if isinstance(kept, list) and any(number != 0 for number in kept):
-        message = "heights from a file are one realization, 0; remove this"
+        message = "measured heights are one realization, 0; remove this"
         yield Finding(("save_fields", "realizations"), message)
     for number, model in models:
         where = ("models", number)
-        if model.dimension > 0 and (model.realizations or 1) != 1:
-            message = "heights from a file are one realization; remove this"
+        for option, message in model.refused_with_given_heights().items():
+            yield Finding((*where, option), message)
+        if model.dimension != 2:
+            continue
+        if (model.realizations or 1) != 1:
+            message = "measured heights are one realization; remove this (twins: draws more)"
             yield Finding((*where, "realizations"), message)
         for option in model.sampling:
             if option in model.model_fields_set:
-                message = "has no meaning for heights from a file, which bring their grid"
+                message = "has no meaning for measured heights, which bring their grid"
                 yield Finding((*where, option), f"{message}; remove this")
-        for option, message in model.refused_with_given_heights().items():
-            yield Finding((*where, option), message)
+
+
+def check_twins(surface: AnySurface | None, twins: int | None) -> Iterator[Finding]:
+    """Yield a finding if there is nothing measured to make twins of."""
+    if twins is not None and isinstance(surface, SelfAffineSurface):
+        yield Finding(
+            ("twins",),
+            "a surface given by a spectrum has random phases already; raise realizations",
+            "key",
+        )

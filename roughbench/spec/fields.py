@@ -22,7 +22,7 @@ from roughbench.observables.files import load_observable
 from roughbench.source_files import names_file
 from roughbench.spec.models import catalog_of
 from roughbench.spec.pressures import PressureList
-from roughbench.spec.surfaces import STRICT
+from roughbench.spec.strict import STRICT
 
 
 def _once(values: tuple[str | int, ...]) -> tuple[str | int, ...]:

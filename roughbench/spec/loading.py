@@ -19,16 +19,16 @@ from roughbench.models.base import Model
 from roughbench.models.registry import Catalog, Unavailable
 from roughbench.program import command
 from roughbench.spec import sweep
-from roughbench.spec.checks import check_file, check_fit
+from roughbench.spec.checks import check_file, check_fit, check_twins
 from roughbench.spec.fields import SavedFields
 from roughbench.spec.messages import translate, without_echoes
-from roughbench.spec.model import Spec
+from roughbench.spec.model import Spec, validated
 from roughbench.spec.models import AnyModel, catalog_of
 from roughbench.spec.names import default_name
 from roughbench.spec.overrides import apply_overrides
 from roughbench.spec.pressures import PressureRange, Pressures, values_of
 from roughbench.spec.reading import MAX_CHARACTERS, Document, Place, read_yaml
-from roughbench.spec.surfaces import FileSurface, SelfAffineSurface, Surface
+from roughbench.spec.surfaces import AnySurface, Surface
 from roughbench.spec.tree import (
     Finding,
     KeyPath,
@@ -36,9 +36,10 @@ from roughbench.spec.tree import (
     plain,
     render,
 )
+from roughbench.spec.with_units import in_written_keys, spelled
 from roughbench.text import on_one_line, suggestion
 
-_SURFACE: TypeAdapter[SelfAffineSurface | FileSurface] = TypeAdapter(Surface)
+_SURFACE: TypeAdapter[AnySurface] = TypeAdapter(Surface)
 _MODEL: TypeAdapter[Model] = TypeAdapter(AnyModel)
 _PRESSURES: TypeAdapter[PressureRange | tuple[float, ...]] = TypeAdapter(Pressures)
 _SAVED_FIELDS: TypeAdapter[SavedFields] = TypeAdapter(SavedFields)
@@ -217,14 +218,17 @@ def _validate(
     """Validate one tree; parts that are valid are checked against each other anyway."""
     spec: Spec | None = None
     findings: list[Finding] = []
-    frozen = freeze(tree)
     catalog = catalog_of(context)
+    spelling = spelled(tree, catalog)
+    written, tree = tree, spelling.tree
+    frozen = freeze(tree)
     try:
-        spec = Spec.model_validate(frozen, context=context)
+        spec = validated(spelling, written, context)
     except ValidationError as error:
         translated = (translate(e, tree, catalog) for e in error.errors(include_url=False))
         # The sweep is checked by sweep.check, which knows what its keys mean.
         findings = [f for f in translated if f is not None and f.path[:1] != ("sweep",)]
+    context = {**context, "has_units": spelling.has_units}
     surface = _part(_SURFACE, frozen.get("surface"), context)
     given = frozen.get("models")
     models = [
@@ -234,16 +238,21 @@ def _validate(
         and not isinstance(model, Unavailable)
     ]
     pressures = _part(_PRESSURES, frozen.get("pressures"), context)
+    saved = _part(_SAVED_FIELDS, frozen.get("save_fields"), context)
+    comparable = not spelling.findings
     findings += check_fit(
         tree,
-        surface,
+        surface if comparable else None,
         models,
-        () if pressures is None else values_of(pressures),
-        _part(_SAVED_FIELDS, frozen.get("save_fields"), context),
+        values_of(pressures) if pressures is not None and comparable else (),
+        saved if comparable else None,
+        has_units=spelling.has_units,
     )
+    findings += check_twins(surface, frozen.get("twins"))
     if files:
         findings += check_file(surface)
-    return spec, without_echoes(findings, tree, catalog)
+    findings = in_written_keys(without_echoes(findings, tree, catalog), spelling)
+    return (None if spelling.findings else spec), findings
 
 
 def _validate_sweep(

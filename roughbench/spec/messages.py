@@ -13,13 +13,20 @@ from pydantic_core import ErrorDetails
 
 from roughbench.errors import ModelError
 from roughbench.models.registry import Catalog
+from roughbench.spec.measured import FileSurface, ScanSurface
 from roughbench.spec.model import Spec
+from roughbench.spec.modulus import Body, ContactModulus
 from roughbench.spec.pressures import PressureRange
-from roughbench.spec.surfaces import FileSurface, SelfAffineSurface
+from roughbench.spec.surfaces import SelfAffineSurface
 from roughbench.spec.tree import Finding, KeyPath, did_you_mean, lookup, show
+from roughbench.spec.with_units import OF_WAVES, WAVELENGTHS
 from roughbench.text import suggestion
 
-SURFACES: dict[str, type[BaseModel]] = {"self-affine": SelfAffineSurface, "file": FileSurface}
+SURFACES: dict[str, type[BaseModel]] = {
+    "self-affine": SelfAffineSurface,
+    "file": FileSurface,
+    "scan": ScanSurface,
+}
 
 _BOUNDS = {
     "greater_than": ("greater than", "gt"),
@@ -49,6 +56,8 @@ def translate(error: ErrorDetails, tree: Any, catalog: Catalog) -> Finding | Non
         Of its models.
     """
     path, kind, context = _path(error["loc"]), error["type"], error.get("ctx", {})
+    if isinstance(written := lookup(tree, path), str):  # a number with its unit, by now in SI
+        error = {**error, "input": written}
     if kind == "default_factory_not_called" or (kind == "too_short" and error["input"]):
         return None
     if kind == "parent":
@@ -112,7 +121,7 @@ def without_echoes(findings: list[Finding], tree: Any, catalog: Catalog) -> list
         if finding.message.startswith("unknown key"):
             *parent, word = finding.path
             near = _meant(str(word), fields_at(tuple(parent), tree, catalog))
-            meant.add((*parent, near))
+            meant.add((*parent, WAVELENGTHS.get(near or "", near)))
     scales = {(*path[:-1],) for path in meant if path[-1] in ("slope", "rms_height")}
     return [
         finding
@@ -131,16 +140,22 @@ def fields_at(path: KeyPath, tree: Any, catalog: Catalog) -> dict[str, tuple[str
         owner = SURFACES.get(lookup(tree, ("surface", "kind")) or "self-affine")
     elif path == ("pressures",):
         owner = PressureRange
+    elif path[:1] == ("modulus",):
+        contact = "E*" in (lookup(tree, ("modulus",)) or ())
+        owner = ContactModulus if contact else Body
     elif len(path) == 2 and path[0] == "models":
         with contextlib.suppress(KeyError, ModelError):
             owner = catalog.find(str(lookup(tree, (*path, "kind"))))
     fields = owner.model_fields if owner else {}
-    return {field.alias or name: (name, field) for name, field in fields.items()}
+    found = {field.alias or name: (name, field) for name, field in fields.items()}
+    if owner is SelfAffineSurface:
+        found |= {key: (key, FieldInfo(description=words)) for key, words in OF_WAVES.items()}
+    return found
 
 
 def _path(loc: tuple[str | int, ...]) -> KeyPath:
     """Leave out the names of union members, which pydantic puts into the location."""
-    if loc[:1] in (("surface",), ("pressures",)):
+    if loc[:1] in (("surface",), ("pressures",), ("modulus",)):
         return loc[:1] + loc[2:]
     return loc
 
@@ -148,6 +163,9 @@ def _path(loc: tuple[str | int, ...]) -> KeyPath:
 def _wrong_form(path: KeyPath, got: Any) -> Finding:
     if path == ("pressures",):
         forms = "a list, or a mapping with min, max and points"
+        return Finding(path, f"must be {forms}, got {show(got)}")
+    if path == ("modulus",):
+        forms = "{E: 2.5 GPa, nu: 0.5}, a list of two bodies, or {E*: 3.33 GPa}"
         return Finding(path, f"must be {forms}, got {show(got)}")
     if not isinstance(got, Mapping):
         return Finding(path, f"must be a mapping, got {show(got)}")

@@ -19,7 +19,8 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from roughbench.spec.surfaces import STRICT
+from roughbench.models.dimensional import PressureOption, has_units, says
+from roughbench.spec.strict import STRICT
 
 MAX_POINTS = 10_000
 
@@ -29,8 +30,8 @@ class PressureRange(BaseModel):
 
     model_config = STRICT
 
-    min: float = Field(gt=0.0, description="Smallest pressure p/E*.")
-    max: float = Field(gt=0.0, description="Largest pressure p/E*.")
+    min: PressureOption = Field(description="Smallest pressure p/E*.")
+    max: PressureOption = Field(description="Largest pressure p/E*.")
     points: int = Field(ge=2, le=MAX_POINTS, description="Number of pressures.")
     spacing: Literal["log", "linear"] = Field(
         default="log", description="Even steps of log p, or of p."
@@ -41,7 +42,8 @@ class PressureRange(BaseModel):
     def _above_min(cls, value: float, info: ValidationInfo) -> float:
         lowest = info.data.get("min")
         if lowest is not None and value <= lowest:
-            raise ValueError(f"must be greater than min = {lowest}, got {value}")
+            low, got = says(lowest, "pressure", info), says(value, "pressure", info)
+            raise ValueError(f"must be greater than min = {low}, got {got}")
         return value
 
     @model_validator(mode="after")
@@ -52,7 +54,7 @@ class PressureRange(BaseModel):
         return self
 
     def values(self) -> tuple[float, ...]:
-        """Return the pressures p/E*, ascending."""
+        """Return the pressures, ascending."""
         with np.errstate(all="ignore"):
             if self.spacing == "log":
                 points = np.geomspace(self.min, self.max, self.points)
@@ -61,14 +63,18 @@ class PressureRange(BaseModel):
         return tuple(points.tolist())
 
 
-def _no_duplicates(values: tuple[float, ...]) -> tuple[float, ...]:
+def _no_duplicates(values: tuple[float, ...], info: ValidationInfo) -> tuple[float, ...]:
     first: dict[float, int] = {}
     for number, value in enumerate(values):
         if value in first:
             raise PydanticCustomError(
                 "child",  # the fault stands at this entry, not at the list
                 "the pressure {value} stands at [{first}] already",
-                {"value": value, "first": first[value], "part": number},
+                {
+                    "value": says(value, "pressure", info) if has_units(info) else value,
+                    "first": first[value],
+                    "part": number,
+                },
             )
         first[value] = number
     return values
@@ -81,7 +87,7 @@ def _form(value: object) -> str | None:
 
 
 PressureList = Annotated[
-    tuple[Annotated[float, Field(gt=0.0, description="A pressure p/E*.")], ...],
+    tuple[Annotated[PressureOption, Field(description="A pressure p/E*.")], ...],
     Field(min_length=1, max_length=MAX_POINTS, description="Pressures p/E* in any order."),
     AfterValidator(_no_duplicates),
 ]
@@ -92,7 +98,7 @@ Pressures = Annotated[
 
 
 def values_of(pressures: PressureRange | tuple[float, ...]) -> tuple[float, ...]:
-    """Return the pressures p/E* of a range or a list, ascending."""
+    """Return the pressures of a range or a list, ascending: p/E*, or Pa as they are."""
     if isinstance(pressures, PressureRange):
         return pressures.values()
     return tuple(sorted(pressures))

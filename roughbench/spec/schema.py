@@ -9,6 +9,8 @@ from pydantic.json_schema import models_json_schema
 from roughbench.models.base import Model
 from roughbench.models.registry import declared, kind_of, kinds
 from roughbench.spec.model import Spec
+from roughbench.spec.with_units import OF_WAVES, WAVELENGTHS
+from roughbench.units import EXAMPLES
 
 _SCALAR = {"type": ["number", "string", "boolean", "null"]}
 _OF_ALL = Model.model_json_schema()["properties"]
@@ -61,6 +63,7 @@ def json_schema() -> dict[str, Any]:
         definition["properties"]["kind"] = choice
         # In a list of models the kind chooses, so that the class's default is none here.
         definition["required"] = ["kind", *{*definition.get("required", ())} - {"kind"}]
+    _add_wavelengths(definitions["SelfAffineSurface"])
     schema["$defs"] = dict(sorted(definitions.items()))
     schema["properties"]["sweep"]["additionalProperties"] = {
         "type": "array",
@@ -70,3 +73,16 @@ def json_schema() -> dict[str, Any]:
     }
     schema["required"] = [key for key in schema["required"] if key != "name"]
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}
+
+
+def _add_wavelengths(surface: dict[str, Any]) -> None:
+    """Allow wavelengths in place of wavevectors, which they become before validation."""
+    for key, words in OF_WAVES.items():
+        example = {"type": "string", "examples": [EXAMPLES["length"]]}
+        surface["properties"][key] = {**example, "description": words}
+    needed = {WAVELENGTHS[key]: key for key in ("longest", "shortest")}
+    surface["required"] = [key for key in surface["required"] if key not in needed]
+    surface["allOf"] = [
+        {"anyOf": [{"required": [vector]}, {"required": [length]}]}
+        for vector, length in needed.items()
+    ]

@@ -1,27 +1,25 @@
-"""The surface of a spec: a self-affine spectrum, or heights from a file."""
+"""The surface of a spec: a self-affine spectrum, or measured heights."""
 
 from __future__ import annotations
 
 import math
-from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import (
     BaseModel,
-    ConfigDict,
     Discriminator,
     Field,
-    PrivateAttr,
     Tag,
     ValidationInfo,
     field_validator,
 )
 from pydantic_core import PydanticCustomError
 
+from roughbench.models.dimensional import LengthOption, WavevectorOption, says
+from roughbench.spec.measured import FileSurface, MeasuredSurface, ScanSurface
+from roughbench.spec.strict import STRICT
 from roughbench.spectrum import BelowRolloff, Spectrum, self_affine
 from roughbench.surface import Amplitude
-
-STRICT = ConfigDict(frozen=True, strict=True, extra="forbid", allow_inf_nan=False)
 
 # Wavevectors are user input: 2π/q0 may be off in its last digits and still mean 2π/q0.
 _ROUNDING = 1e-9
@@ -34,17 +32,16 @@ class SelfAffineSurface(BaseModel):
 
     kind: Literal["self-affine"] = Field(default="self-affine", description="Which surface.")
     hurst: float = Field(alias="H", gt=0.0, lt=1.0, description="Hurst exponent, 0 < H < 1.")
-    q_min: float = Field(
-        alias="q0", gt=0.0, description="Smallest wavevector q0 of the roughness, 1/length."
+    q_min: WavevectorOption = Field(
+        alias="q0", description="Smallest wavevector q0 of the roughness, 1/length."
     )
-    q_rolloff: float = Field(
+    q_rolloff: WavevectorOption = Field(
         alias="qr",
-        gt=0.0,
         default_factory=lambda data: data.get("q_min", 1.0),
         description="Roll-off wavevector, q0 <= qr < q1, 1/length; default q0.",
     )
-    q_max: float = Field(
-        alias="q1", gt=0.0, description="Largest wavevector q1 of the roughness, 1/length."
+    q_max: WavevectorOption = Field(
+        alias="q1", description="Largest wavevector q1 of the roughness, 1/length."
     )
     rms_slope: float | None = Field(
         alias="slope",
@@ -52,9 +49,8 @@ class SelfAffineSurface(BaseModel):
         gt=0.0,
         description="Rms slope √⟨|∇h|²⟩; give exactly one of slope and rms_height.",
     )
-    rms_height: float | None = Field(
+    rms_height: LengthOption | None = Field(
         default=None,
-        gt=0.0,
         validate_default=True,
         description="Rms height, length; give exactly one of slope and rms_height.",
     )
@@ -67,8 +63,7 @@ class SelfAffineSurface(BaseModel):
         default="fixed",
         description="Mode amplitudes: fixed (random phases) or gaussian (complex normal).",
     )
-    length: float = Field(
-        gt=0.0,
+    length: LengthOption = Field(
         default_factory=lambda data: 2.0 * math.pi / data.get("q_min", 1.0),
         description="Side of the periodic cell, at least 2π/q0; default 2π/q0.",
     )
@@ -78,7 +73,8 @@ class SelfAffineSurface(BaseModel):
     def _above_q_min(cls, value: float, info: ValidationInfo) -> float:
         q_min = info.data.get("q_min")
         if q_min is not None and value < q_min:
-            raise ValueError(f"must be at least q0 = {q_min}, got {value}")
+            lowest, got = says(q_min, "wavevector", info), says(value, "wavevector", info)
+            raise ValueError(f"must be at least q0 = {lowest}, got {got}")
         return value
 
     @field_validator("q_max")
@@ -86,7 +82,8 @@ class SelfAffineSurface(BaseModel):
     def _above_rolloff(cls, value: float, info: ValidationInfo) -> float:
         for key, name in (("q_rolloff", "qr"), ("q_min", "q0")):
             if value <= info.data.get(key, 0.0):
-                raise ValueError(f"must be greater than {name} = {info.data[key]}, got {value}")
+                below, got = (says(q, "wavevector", info) for q in (info.data[key], value))
+                raise ValueError(f"must be greater than {name} = {below}, got {got}")
         return value
 
     @field_validator("rms_height")
@@ -106,9 +103,10 @@ class SelfAffineSurface(BaseModel):
     def _holds_longest_wave(cls, value: float, info: ValidationInfo) -> float:
         q_min = info.data.get("q_min")
         if q_min is not None and value < 2.0 * math.pi / q_min * (1.0 - _ROUNDING):
+            longest = says(2.0 * math.pi / q_min, "length", info)
             raise ValueError(
-                f"must be at least 2π/q0 = {2.0 * math.pi / q_min}, the longest wave, "
-                f"got {value}"
+                f"must be at least 2π/q0 = {longest}, the longest wave, "
+                f"got {says(value, 'length', info)}"
             )
         return value
 
@@ -125,48 +123,11 @@ class SelfAffineSurface(BaseModel):
         )
 
 
-class FileSurface(BaseModel):
-    """Heights from a ``.npy`` file or from a dataset of an HDF5 file."""
-
-    model_config = STRICT
-
-    kind: Literal["file"] = Field(description="Which surface.")
-    path: str = Field(
-        min_length=1,
-        description="heights.npy, or heights.h5:/dataset; relative to the folder of the spec.",
-    )
-    length: float = Field(gt=0.0, description="Side of the periodic cell, the heights' unit.")
-
-    _folder: Path = PrivateAttr(default=Path())
-
-    def model_post_init(self, context: Any) -> None:
-        """Remember the folder that relative paths start from."""
-        if isinstance(context, dict):
-            self._folder = Path(context.get("folder", ""))
-
-    @field_validator("path")
-    @classmethod
-    def _known_format(cls, value: str) -> str:
-        if value.endswith((".h5", ".hdf5")):
-            raise ValueError(f"must name the dataset too, as in {value}:/heights")
-        if not value.endswith(".npy") and not value.rpartition(":/")[0]:
-            raise ValueError(f"must name heights.npy or heights.h5:/dataset, got {value!r}")
-        return value
-
-    @property
-    def folder(self) -> Path:
-        """Where a relative path starts."""
-        return self._folder
-
-    @property
-    def file(self) -> Path:
-        """The file that holds the heights."""
-        name, colon, _ = self.path.rpartition(":/")
-        return self._folder / (name if colon else self.path)
+AnySurface = SelfAffineSurface | MeasuredSurface
 
 
 def _surface_kind(value: object) -> str | None:
-    if isinstance(value, (SelfAffineSurface, FileSurface)):
+    if isinstance(value, (SelfAffineSurface, MeasuredSurface)):
         return value.kind
     if not isinstance(value, dict):
         return None
@@ -175,7 +136,9 @@ def _surface_kind(value: object) -> str | None:
 
 
 Surface = Annotated[
-    Annotated[SelfAffineSurface, Tag("self-affine")] | Annotated[FileSurface, Tag("file")],
+    Annotated[SelfAffineSurface, Tag("self-affine")]
+    | Annotated[FileSurface, Tag("file")]
+    | Annotated[ScanSurface, Tag("scan")],
     Discriminator(_surface_kind),
 ]
-"""Either surface; a spec that names no kind means the self-affine one."""
+"""Any surface; a spec that names no kind means the self-affine one."""

@@ -19,6 +19,7 @@ from roughbench.spec.tree import (
     resolve,
     show,
 )
+from roughbench.units import is_quantity
 
 MAX_EXPERIMENTS = 1000
 
@@ -118,9 +119,20 @@ def names(resolved: Sequence[tuple[Variant, Mapping[str, Any]]]) -> list[str]:
 
 
 def _value(variant: Variant, resolved: Mapping[str, Any], path: KeyPath) -> object:
+    written = lookup(variant.tree, path)
+    if is_quantity(written):
+        return _compact(str(written))
     value = lookup(resolved, path)
     # Defaults may be left out of a resolved tree: of these the spec itself tells.
-    return lookup(variant.tree, path) if value is None else value
+    return written if value is None else value
+
+
+def _compact(quantity: str) -> str:
+    """Write a number with its unit in letters of a name: 0.1um-1 for 0.1 / µm."""
+    number, slash, unit = quantity.replace("µ", "u").replace("μ", "u").partition("/")
+    below = re.fullmatch(r"\s*([\d.eE+-]+)(?:\s+1)?\s*", number) if slash else None
+    text = f"{below[1]}{unit.strip()}-1" if below else f"{number}{slash}{unit}"
+    return text.replace(" ", "").replace("/", "_per_")
 
 
 def _word(value: object) -> str:

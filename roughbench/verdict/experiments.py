@@ -32,6 +32,8 @@ class FittedExperiment:
         Label of the exact solution.
     deviations : mapping of str to mapping of str to Deviations
         From it, by label and quantity.
+    modulus : float or None
+        E*, Pa, of results with units, whose models stand here without.
     """
 
     source: str
@@ -41,6 +43,7 @@ class FittedExperiment:
     fits: Mapping[str, Mapping[str, Estimate]]
     reference: str | None
     deviations: Mapping[str, Mapping[str, Deviations]] = field(default_factory=dict)
+    modulus: float | None = None
 
     @property
     def exact(self) -> ModelResult | None:
@@ -66,7 +69,7 @@ class FittedExperiment:
 def fit_experiments(
     sources: Sequence[tuple[str, Results]], reference: str | None, resamples: int
 ) -> list[FittedExperiment]:
-    """Fit every experiment of some results.
+    """Fit every experiment of some results; those with units become p/E* first.
 
     Parameters
     ----------
@@ -85,7 +88,7 @@ def fit_experiments(
     """
     experiments = []
     for name, results in sources:
-        for experiment, models in results.items():
+        for experiment, models in results.reduced().items():
             known = reference is None or reference in models
             label = reference_of(dict(models), reference if known else None)
             kept = dict(models)
@@ -99,6 +102,7 @@ def fit_experiments(
                     {key: one.estimates for key, one in fitted.items()},
                     label,
                     {key: one.deviations for key, one in fitted.items()},
+                    next((one.modulus for one in results[experiment].values()), None),
                 )
             )
     labels = dict.fromkeys(label for one in experiments for label in one.models)

@@ -18,9 +18,10 @@ from roughbench.fits import Deviations, Estimate
 from roughbench.fits.comparisons import NEARLY_CLOSED, Comparison
 from roughbench.models.registry import declared, is_reference
 from roughbench.notation import typeset
-from roughbench.numbers import number, with_error
+from roughbench.numbers import with_error
 from roughbench.quantities import Quantity, compared
 from roughbench.results import ModelResult
+from roughbench.units import prefix
 from roughbench.verdict.experiments import FittedExperiment
 from roughbench.verdict.judging import Range
 from roughbench.verdict.measures import OTHER_PRESSURES
@@ -49,10 +50,13 @@ class Deviation:
         p/E*.
     estimate : Estimate
         Model over exact, less 1: -0.32 is 32 % too little.
+    modulus : float or None
+        E*, Pa, of results with units.
     """
 
     pressure: float
     estimate: Estimate
+    modulus: float | None = None
 
     @property
     def text(self) -> str:
@@ -78,7 +82,7 @@ class Deviation:
     @property
     def place(self) -> str:
         """Where it is."""
-        return _pressure_text(self.pressure)
+        return _pressure_text(self.pressure, self.modulus)
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +102,8 @@ class Trust:
         What the last pressure is that is compared.
     missing : str
         Why there is no comparison: ``not given``, or in a sentence; empty where there is one.
+    modulus : float or None
+        E*, Pa, of results with units: sentences then have pressures in Pa.
     """
 
     quantity: Quantity
@@ -106,6 +112,7 @@ class Trust:
     deviations: tuple[Deviation, ...] = ()
     highest: str = "the highest"
     missing: str = ""
+    modulus: float | None = None
 
     @property
     def name(self) -> str:
@@ -121,7 +128,7 @@ class Trust:
         within = f"within {self.found.percent} % of the {self.noun} {self.quantity.words}"
         if not math.isfinite(start.value):
             return f"nowhere {within}"
-        low, high = _end_text(start), _end_text(end)
+        low, high = (_end_text(one, self.modulus) for one in (start, end))
         if start.is_bound and end.is_bound:
             return f"{within} from {low} to {high}, the lowest pressure to {self.highest}"
         low += ", the lowest pressure," * start.is_bound
@@ -187,6 +194,7 @@ def _quantities(
 ) -> Iterator[Trust]:
     fits = experiment.fits[model.label]
     deviations = experiment.deviations.get(model.label, {})
+    modulus = experiment.modulus
     noun = "exact" if is_reference(exact.kind) else "reference’s"
     for name, quantity in compared().items():
         comparison = Comparison(name)
@@ -203,13 +211,14 @@ def _quantities(
             found = deviations[name]
             is_open = not end.is_bound or end.value >= found.pressure[-1] * (1.0 - 1e-9)
             highest = "the highest" if is_open else _NEARLY_CLOSED
-            chosen = tuple(_chosen(found))
-            yield Trust(quantity, noun, Range(PERCENT, start, end), chosen, highest)
+            chosen = tuple(_chosen(found, modulus))
+            agrees = Range(PERCENT, start, end)
+            yield Trust(quantity, noun, agrees, chosen, highest, modulus=modulus)
 
 
-def _chosen(found: Deviations) -> Iterator[Deviation]:
-    for k in choose_pressures(found.pressure):
-        yield Deviation(float(found.pressure[k]), found.estimates[k])
+def _chosen(found: Deviations, modulus: float | None) -> Iterator[Deviation]:
+    for k in choose_pressures(found.pressure * (modulus or 1.0)):
+        yield Deviation(float(found.pressure[k]), found.estimates[k], modulus)
 
 
 def choose_pressures(pressure: FloatArray) -> list[int]:
@@ -264,20 +273,27 @@ def sample_noun(result: ModelResult) -> str:
     return "line" if dimension == 1 else "surface"
 
 
-def _pressure_text(pressure: float, error: float = math.nan) -> str:
-    """Return a pressure with its error."""
-    text = with_error(pressure, error, 2, of_error=1)
-    return f"({text}) E*" if " ± " in text and not text.startswith("(") else f"{text} E*"
+def _pressure_text(pressure: float, modulus: float | None, error: float = math.nan) -> str:
+    """Return a pressure with its error, in E*; with a modulus in MPa and the like."""
+    factor, unit, digits = 1.0, "E*", 2
+    if modulus is not None:
+        factor, unit = prefix([pressure * modulus], "Pa")
+        factor, digits = factor * modulus, 3
+    text = with_error(pressure * factor, error * factor, digits, of_error=1)
+    needs_brackets = " ± " in text and not text.startswith("(")
+    return f"({text}) {unit}" if needs_brackets else f"{text} {unit}"
 
 
-def _end_text(end: Estimate) -> str:
+def _end_text(end: Estimate, modulus: float | None) -> str:
     """Return an end of a range with its error, or with its interval where that is wide."""
+    text = _pressure_text(end.value, modulus)
     if math.isnan(end.error) or end.is_bound:
-        return _pressure_text(end.value)
+        return text
     if end.error > LARGE_ERROR * end.value:
-        low = f"{number(end.low, 2)} " if end.low > 0.0 else "up "
-        return f"{_pressure_text(end.value)} (68 %: {low}to {number(end.high, 2)})"
-    return _pressure_text(end.value, end.error)
+        low, high = (_pressure_text(p, modulus) for p in (end.low, end.high))
+        low, high = (low.removesuffix(" E*"), high.removesuffix(" E*"))
+        return f"{text} (68 %: {f'{low} ' if end.low > 0.0 else 'up '}to {high})"
+    return _pressure_text(end.value, modulus, end.error)
 
 
 def _rounded(value: float, error: float) -> str:

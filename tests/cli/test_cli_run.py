@@ -264,15 +264,15 @@ def test_an_invalid_spec_exits_2(folder: Path, invoke: Invoke) -> None:
 
 
 def test_unusable_heights_exit_2(folder: Path, invoke: Invoke) -> None:
-    np.save(folder / "plane.npy", np.arange(64.0).reshape(8, 8))
+    np.save(folder / "line.npy", 0.01 * np.cos(np.arange(64.0)))
     (folder / "file.yaml").write_text(
-        "surface: {kind: file, path: plane.npy, length: 1.0}\n"
-        "pressures: [1e-3]\nmodels: [{kind: foundation}]\n"
+        "surface: {kind: file, path: line.npy, length: 1.0}\n"
+        "pressures: [1e-3]\nmodels: [{kind: bem}]\n"
     )
     for command in ("run", "validate"):
         done = invoke(command, "file.yaml")
         assert done.exit_code == 2
-        assert "error: main/foundation: plane.npy: its shape is (8, 8)" in done.stderr
+        assert "error: main/bem: line.npy: its shape is (64,)" in done.stderr
 
 
 def test_the_folder_of_the_output_is_made(folder: Path, invoke: Invoke) -> None:
@@ -402,6 +402,7 @@ def test_a_terminal_that_is_closed_ends_it_cleanly(folder: Path, invoke: Invoke)
     assert any(line.endswith(": done") for line in planned)
 
 
+@pytest.mark.usefixtures("no_bytecode")
 def test_a_full_disk_leaves_a_run_to_resume(folder: Path, invoke: Invoke, program: str) -> None:
     """Files may have 2 kB, as if the disk were full then: less than a shard."""
     command = f"ulimit -f 2; exec {sys.executable} -m roughbench run small.yaml"

@@ -102,7 +102,10 @@ def test_all_contenders_and_their_variants_are_told_apart(make: Make, collect: C
 def test_figures_and_reports_have_one_colour_for_a_model(make: Make, collect: Collect) -> None:
     models = [make(kind, label=f"{kind}{i}") for kind in MODELS for i in range(2)]
     results = collect(*models)
-    printed, shown = curve_styles(results.models()), page_styles([ReportSource("r.h5", results)])
+    printed, shown = (
+        curve_styles(results.models()),
+        page_styles([ReportSource("r.h5", results)]),
+    )
     assert {name: look.colour for name, look in printed.items()} == {
         name: look.colour for name, look in shown.items()
     }

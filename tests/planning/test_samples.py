@@ -89,7 +89,7 @@ def test_heights_from_files(tmp_path: Path, rng: np.random.Generator) -> None:
         file["measured/line"] = line
     for path in ("line.npy", "line.h5:/measured/line"):
         given = file_surface(tmp_path, path=path)
-        check_sample(given, LINE)
+        check_sample(given, Foundation())
         one, other = (make_sample(given, LINE, seed, index) for seed, index in ((0, 0), (5, 3)))
         np.testing.assert_allclose(heights_of(one), line - line.mean(), atol=1e-14)
         np.testing.assert_array_equal(heights_of(one), heights_of(other))
@@ -101,19 +101,12 @@ def test_heights_from_files(tmp_path: Path, rng: np.random.Generator) -> None:
 
 def test_refuses_heights_of_another_dimension(tmp_path: Path) -> None:
     np.save(tmp_path / "line.npy", np.arange(8.0))
-    np.save(tmp_path / "plane.npy", np.arange(64.0).reshape(8, 8))
     with pytest.raises(
         SurfaceError,
         match=r"line.npy: its shape is \(8,\), but bem needs 2 dimensions; "
         "give a two-dimensional array, or remove bem",
     ):
         check_sample(file_surface(tmp_path, path="line.npy"), HalfSpace())
-    with pytest.raises(
-        SurfaceError,
-        match=r"plane.npy: its shape is \(8, 8\), but springs needs 1 dimension; "
-        r"give one line of it, as heights\[0\], or remove springs",
-    ):
-        make_sample(file_surface(tmp_path, path="plane.npy"), Foundation(label="springs"), 0, 0)
     with pytest.raises(SurfaceError, match="no such file"):
         check_sample(file_surface(tmp_path, path="missing.npy"), PERSSON)
 

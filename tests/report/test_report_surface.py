@@ -14,12 +14,12 @@ from matplotlib.image import imread
 from roughbench.report.sources import ReportSource
 from roughbench.report.surfaces import (
     fit_in_words,
-    fitted_spectrum,
     surface_sections,
     synthetic_table,
 )
 from roughbench.report.text import plain
 from roughbench.results import Results
+from roughbench.surface_record import fitted_spectrum
 from tests.recorded import FIT, WARNINGS, a_record, with_record
 from tests.report.conftest import EXPERIMENTS, Page, page_of
 

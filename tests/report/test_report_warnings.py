@@ -175,7 +175,7 @@ def test_a_spec_that_cannot_be_read(sound: Results) -> None:
 
 
 def test_results_of_heights_are_read_where_the_heights_are_not(tmp_path: Path) -> None:
-    np.save(tmp_path / "heights.npy", np.sin(np.arange(64.0)))
+    np.save(tmp_path / "heights.npy", 0.02 * np.sin(np.arange(64.0)))
     (tmp_path / "spec.yaml").write_text(
         "surface: {kind: file, path: heights.npy, length: 3.0}\n"
         "pressures: [0.1, 0.5]\n"

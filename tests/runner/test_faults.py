@@ -17,8 +17,9 @@ ROOT = Path(rb.__file__).parents[1]
 @pytest.mark.slow
 def test_a_short_campaign() -> None:
     pytest.importorskip("distributed")
-    numbers = {"groups": 3, "workers": 3, "terms": 1, "full": 2, "dask-groups": 1}
-    options = [f"--{kind}={n}" for kind, n in (numbers | {"dask-workers": 1}).items()]
+    numbers = {"groups": 3, "workers": 3, "terms": 1, "full": 2, "disks": 2}
+    numbers |= {"dask-groups": 1, "dask-workers": 1}
+    options = [f"--{kind}={n}" for kind, n in numbers.items()]
     done = subprocess.run(
         [sys.executable, "scripts/fault_campaign.py", *options, "--realizations=30"],
         cwd=ROOT,

@@ -12,20 +12,20 @@ import roughbench as rb
 from roughbench import runner
 from roughbench.engines.compute import compute
 from roughbench.heights_file import load_heights
-from roughbench.planning import samples
+from roughbench.planning import measured
 from roughbench.planning.plan import Cell, Task, plan
 from roughbench.rundir.folder import RunFolder
 from roughbench.spec import load_spec
 
-MOST_READS = 4
-"""Once for the plan, and once for each model."""
+MOST_READS = 3
+"""Once for the plan, which takes the spectrum, and once for each model of surfaces."""
 
 
 @pytest.fixture
 def heights(tmp_path: Path, rng: np.random.Generator) -> list[Path]:
     """Return two files of heights, of which the first stands under the name in the spec."""
     for name, scale in (("one.npy", 1.0), ("other.npy", 3.0)):
-        np.save(tmp_path / name, scale * rng.normal(size=(16, 16)))
+        np.save(tmp_path / name, 0.05 * scale * rng.normal(size=(16, 16)))
     (tmp_path / "spec.yaml").write_text(
         "surface: {kind: file, path: heights.npy, length: 3.0}\n"
         "pressures: [0.1, 0.5]\n"
@@ -68,7 +68,7 @@ def test_a_swap_after_any_read_ends_the_run_or_changes_nothing(
             put(heights[1])
         return found
 
-    monkeypatch.setattr(samples, "load_heights", load)
+    monkeypatch.setattr(measured, "load_heights", load)
     output = folder / "r.h5" if kept else None
     if reads < MOST_READS:
         with pytest.raises(rb.SolverError, match="changed since the run began"):
@@ -76,7 +76,7 @@ def test_a_swap_after_any_read_ends_the_run_or_changes_nothing(
     else:
         assert numbers(rb.run(folder / "spec.yaml", output=output)) == expected[heights[0]]
         assert len(calls) == MOST_READS
-    monkeypatch.setattr(samples, "load_heights", real)
+    monkeypatch.setattr(measured, "load_heights", real)
     assert numbers(rb.run(folder / "spec.yaml", output=output)) == expected[heights[1]]
     put(heights[0])
     assert numbers(rb.run(folder / "spec.yaml", output=output)) == expected[heights[0]]
@@ -109,7 +109,7 @@ def test_a_task_computes_with_the_bytes_that_it_checked(
         calls.append(arguments)
         return real(*arguments)
 
-    monkeypatch.setattr(samples, "load_heights", load)
+    monkeypatch.setattr(measured, "load_heights", load)
     compute(Task(cell, range(1), cell.pressures))
     assert len(calls) == 1
 

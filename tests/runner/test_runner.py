@@ -78,7 +78,7 @@ def test_a_model_may_override_the_realizations(small_spec: dict[str, Any]) -> No
 
 
 def test_heights_from_a_file(tmp_path: Path, rng: np.random.Generator) -> None:
-    line = rng.normal(size=64)
+    line = 0.1 * rng.normal(size=64)
     np.save(tmp_path / "line.npy", line)
     (tmp_path / "spec.yaml").write_text(
         "surface: {kind: file, path: line.npy, length: 3.0}\n"
@@ -97,13 +97,13 @@ def test_heights_from_a_file(tmp_path: Path, rng: np.random.Generator) -> None:
 def test_heights_of_a_wrong_dimension_are_refused_before_anything_is_computed(
     tmp_path: Path,
 ) -> None:
-    np.save(tmp_path / "plane.npy", np.arange(64.0).reshape(8, 8))
+    np.save(tmp_path / "line.npy", 0.01 * np.cos(np.arange(64.0)))
     (tmp_path / "spec.yaml").write_text(
-        "surface: {kind: file, path: plane.npy, length: 3.0}\n"
+        "surface: {kind: file, path: line.npy, length: 3.0}\n"
         "pressures: [0.1]\n"
-        "models: [{kind: persson}, {kind: foundation}]\n"
+        "models: [{kind: persson}, {kind: bem}]\n"
     )
-    with pytest.raises(rb.SurfaceError, match=r"main/foundation: plane\.npy: its shape is"):
+    with pytest.raises(rb.SurfaceError, match=r"main/bem: line\.npy: its shape is"):
         rb.run(tmp_path / "spec.yaml", output=tmp_path / "r.h5")
     assert not (tmp_path / "r.h5").exists()
 

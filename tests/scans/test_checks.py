@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from roughbench.scans import checks
+from roughbench.scans import border_checks
 from roughbench.scans.checks import Doubt, doubts_of
 from roughbench.scans.evidence import height_step, steps_between, waves_of
 from roughbench.scans.preparation import Preparation, prepare
@@ -356,7 +356,7 @@ def test_limits_stand_apart_from_what_good_surfaces_reach() -> None:
             reached["jump"] = max(reached["jump"], steps.jump)
             reached["over"] = max(reached["over"], steps.jump_over_largest)
             reached["step"] = max(reached["step"], steps.largest[2])
-    assert 2.0 < reached["tilt"] < 3.8 < checks.TILT
-    assert 1.2 < reached["jump"] < 1.9 < checks.JUMP
-    assert 0.9 < reached["over"] < 1.2 < checks.JUMP_OVER_LARGEST
-    assert 1.4 < reached["step"] < 2.2 < checks.STEP
+    assert 2.0 < reached["tilt"] < 3.8 < border_checks.TILT
+    assert 1.2 < reached["jump"] < 1.9 < border_checks.JUMP
+    assert 0.9 < reached["over"] < 1.2 < border_checks.JUMP_OVER_LARGEST
+    assert 1.4 < reached["step"] < 2.2 < border_checks.STEP

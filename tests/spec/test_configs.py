@@ -33,6 +33,7 @@ def test_they_are_all_there() -> None:
         "study/resolution.yaml",
         "study/rolloff.yaml",
         "study/size.yaml",
+        "units.yaml",
     ]
 
 

@@ -32,19 +32,28 @@ def test_the_keys_are_those_of_the_yaml() -> None:
         "name",
         "surface",
         "pressures",
+        "modulus",
         "realizations",
         "seed",
         "models",
         "sweep",
         "observables",
         "save_fields",
+        "twins",
     ]
     assert schema["required"] == ["surface", "pressures", "models"]
     surface = schema["$defs"]["SelfAffineSurface"]
     assert {"H", "q0", "qr", "q1", "slope", "rms_height", "below_qr"} <= {
         *surface["properties"]
     }
-    assert surface["required"] == ["H", "q0", "q1"]
+    assert surface["required"] == ["H"]
+    assert surface["allOf"] == [
+        {"anyOf": [{"required": ["q0"]}, {"required": ["longest"]}]},
+        {"anyOf": [{"required": ["q1"]}, {"required": ["shortest"]}]},
+    ]
+    number, text = surface["properties"]["q0"]["anyOf"]
+    assert number == {"exclusiveMinimum": 0.0, "type": "number"}
+    assert text == {"type": "string", "examples": ["0.1 / um"]}
     assert surface["properties"]["H"]["exclusiveMaximum"] == 1.0
     assert schema["$defs"]["PressureRange"]["required"] == ["min", "max", "points"]
 
