@@ -5,9 +5,9 @@
     python scripts/scan_tutorial.py --scan F   # only make the scan, as file F
 
 The page's blocks marked ``console`` hold commands behind ``$`` and what each prints. They run
-one after the other in one folder that at first holds plate.txt alone. A line ``…`` stands for lines that
-are left out. Numbers may differ by one percent, or by one in their last digit: other machines
-round elsewhere.
+one after the other in one folder that at first holds plate.txt alone. A line ``…`` stands for
+lines that are left out. Numbers may differ by one percent, or by one in their last digit:
+other machines round elsewhere.
 """
 
 from __future__ import annotations

@@ -9,8 +9,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from roughbench.figures.curves import curve_of, full_contact_pressure
-from roughbench.figures.styles import curve_styles, experiment_shades
 from roughbench.figures.labels import experiment_label, height_remark, model_names
+from roughbench.figures.styles import curve_styles, experiment_shades
 from roughbench.models import MODELS
 from roughbench.report.sources import ReportSource
 from roughbench.report.styles import page_styles

@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 import roughbench as rb
 from roughbench.figures import departures
 from roughbench.figures.curves import curve_of
-from roughbench.figures.styles import curve_styles, experiment_shades, lighter
 from roughbench.figures.pressed import WINDOW, choose_window, most_telling, pressed_lines
 from roughbench.figures.spectrum import RINGS_PER_DECADE, realized_spectrum
 from roughbench.figures.style import publication_style
+from roughbench.figures.styles import curve_styles, experiment_shades, lighter
 from roughbench.planning.samples import make_sample
 from roughbench.quantities import QUANTITIES
 from roughbench.results import ModelResult, Results

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from roughbench import figures
 from roughbench.errors import StoreError
 from roughbench.figures.contact import MOST_GROUPS, ContactMap, contact_maps
-from roughbench.figures.styles import CurveStyle, curve_styles
 from roughbench.figures.observed import DECADES, MOST_PANELS, THEORY, ObservedLine, panels
 from roughbench.figures.style import publication_style
+from roughbench.figures.styles import CurveStyle, curve_styles
 from roughbench.observables import OBSERVABLES
 from roughbench.results import ModelResult, Results
 

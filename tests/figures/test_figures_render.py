@@ -184,7 +184,9 @@ def test_empty_results_allow_nothing(collect: Collect, tmp_path: Path) -> None:
 
 
 def test_an_unknown_figure_names_the_known_ones(computed: Results, tmp_path: Path) -> None:
-    with pytest.raises(rb.StoreError, match=r"no figure 'fig9'; choose one of surface, foundation, sp"):
+    with pytest.raises(
+        rb.StoreError, match=r"no figure 'fig9'; choose one of surface, foundation, sp"
+    ):
         figures.render(computed, "fig9", tmp_path)
 
 

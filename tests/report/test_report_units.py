@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.figures.test_figures_units import MODULUS, in_si
 
 from roughbench.report.curves import pressure_charts
 from roughbench.report.sources import ReportSource
@@ -15,6 +14,7 @@ from roughbench.report.styles import page_styles
 from roughbench.report.warnings import at_pressures
 from roughbench.results import Results
 from roughbench.verdict import fit_experiments, trust_of
+from tests.figures.test_figures_units import MODULUS, in_si
 from tests.report.conftest import EXPERIMENTS, Page, page_of
 
 
