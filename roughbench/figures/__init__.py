@@ -72,7 +72,6 @@ packages declare."""
 
 def available(results: Results) -> list[str]:
     """Return the names of the figures that these results allow, the paper's in its order."""
-    results = results.reduced()
     recipes = recipes_of(results)
     return [name for name, recipe in recipes.items() if recipe.missing(results) is None]
 
@@ -122,7 +121,6 @@ def render(
     ModelError
         If there is no such file or class, it is no figure, or ends with an error.
     """
-    results = results.reduced()
     if names_file(name):
         name, recipe = load_figure(name, FIGURES)
     else:
