@@ -7,7 +7,7 @@ are solved exactly as they are. Then each is treated as scans are: tilted, windo
 quarter of its area that is made periodic in several ways, holes made and filled, heights
 rounded. The table holds the mean change of area A, separation ū and stiffness K of the exact
 solution, and of Persson's area from the measured spectrum, in percent with its standard error
-over the surfaces (default 8). It is printed as Markdown; docs/scans.md shows it.
+over the surfaces (default 16). It is printed as Markdown; docs/scans.md shows it.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def punctured(heights: FloatArray, share: float, radius: float, index: int) -> T
         order = generator.permutation(heights.size)
         missing.flat[order[: int(share * heights.size)]] = True
     y, x = np.ogrid[:POINTS, :POINTS]
-    while missing.mean() < share:
+    while radius > 0.0 and missing.mean() < share:
         row, column = generator.uniform(0, POINTS, 2)
         missing |= (y - row) ** 2 + (x - column) ** 2 < radius**2
     holes = np.where(missing, np.nan, heights)
@@ -125,7 +125,7 @@ def answers(heights: FloatArray, length: float) -> FloatArray:
 
 def main() -> None:
     """Print the table."""
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 8
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else 16
     changes: dict[str, list[FloatArray]] = {name: [] for name in TREATMENTS}
     areas = []
     for index in range(count):
