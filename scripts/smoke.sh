@@ -55,6 +55,9 @@ grep -F "stiffness_mean [Pa/m]" "$folder/units/surface.rolloff=10um-bem.csv"
 roughbench report "$folder/units.h5" -o "$folder/units.html" --resamples 20
 roughbench plot "$folder/units.h5" -o "$folder/units"
 
+# The page on scans says what its commands print.
+python scripts/scan_tutorial.py
+
 # A fault ends with its documented exit code and one message.
 code=0
 roughbench run configs/smoke.yaml --set surface.H=2 -o "$folder/none.h5" 2> "$folder/fault" \
