@@ -9,6 +9,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import settings
+
+# No test fails because the machine is busy.
+settings.register_profile("roughbench", deadline=None)
+settings.load_profile("roughbench")
 
 
 @pytest.fixture(autouse=True)

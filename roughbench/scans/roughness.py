@@ -216,6 +216,24 @@ def _heights(h: FloatArray) -> dict[str, float]:
     }
 
 
+def rms_gradient(heights: FloatArray, spacing: tuple[float, float]) -> float:
+    """Return Sdq as :func:`roughness` does, of heights with holes too.
+
+    Parameters
+    ----------
+    heights : ndarray of float64, shape (rows, columns)
+        nan where missing.
+    spacing : (float, float)
+        Between points along (y, x), in the unit of the heights.
+
+    Raises
+    ------
+    SurfaceError
+        If nowhere enough neighbouring points are measured.
+    """
+    return math.sqrt(float(np.trace(_slopes(heights, spacing)[0])))
+
+
 def _slopes(h: FloatArray, spacing: tuple[float, float]) -> tuple[FloatArray, float]:
     """Return ⟨∇h ∇hᵀ⟩ in the order (y, x), and the share of area that is gained."""
     dy, dx = spacing

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from dataclasses import dataclass
 
@@ -22,6 +23,7 @@ from roughbench.scans.filling import Holes, fill_holes, find_holes
 from roughbench.scans.outliers import find_outliers
 from roughbench.scans.resampling import resample, square_grid
 from roughbench.scans.rms import rms_height_and_gradient
+from roughbench.scans.roughness import rms_gradient
 from roughbench.scans.topography import Scan
 from roughbench.scans.words import per_cent
 from roughbench.units import in_words
@@ -74,6 +76,9 @@ class Preparing:
     def record(self, name: str, text: str, *, periodic: bool = False) -> None:
         """Note what was done and what came of it."""
         rms = rms_height_and_gradient(self.heights, self.spacing, periodic=periodic)
+        if np.isnan(self.heights).any():  # the rims of holes are measured worst
+            with contextlib.suppress(SurfaceError):
+                rms = rms[0], rms_gradient(self.heights, self.spacing)
         rows, columns = self.heights.shape
         self.steps.append(Step(name, text, (rows, columns), self.size, *rms))
 

@@ -162,6 +162,16 @@ class ScanSurface(MeasuredSurface):
         default=None, ge=8, description="Points along the longer side; default: as they are."
     )
 
+    @field_validator("size", mode="before")
+    @classmethod
+    def _two_sides(cls, value: object) -> object:
+        if not isinstance(value, tuple) or len(value) != 2:
+            shown = " ".join(map(str, value)) if isinstance(value, tuple) else value
+            raise ValueError(
+                f"must be two lengths, along x and y, as in [10 um, 7.5 um], got {shown!r}"
+            )
+        return value
+
     @field_validator("size")
     @classmethod
     def _lengths(cls, value: tuple[str, str] | None) -> tuple[str, str] | None:
