@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from roughbench.errors import SurfaceError
 from roughbench.heights_file import load_heights
 from roughbench.models.base import FloatArray
-from roughbench.scans.checks import Doubt, doubts_of
-from roughbench.scans.preparation import Prepared, prepare
-from roughbench.scans.topography import read_scan
 from roughbench.spec import FileSurface, MeasuredSurface, ScanSurface
 from roughbench.spectrum import Spectrum, measured_spectrum
 from roughbench.surface import rms_height_and_slope
+
+if TYPE_CHECKING:  # SciPy is slow to import
+    from roughbench.scans.checks import Doubt
+    from roughbench.scans.preparation import Prepared
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +84,8 @@ def read_heights(
     SurfaceError
         If they cannot be read or prepared.
     """
+    from roughbench.scans.checks import doubts_of
+
     heights, length, digest, prepared = _read(surface.original())
     found, fault = None, ""
     if spectrum or pressure is not None:
@@ -171,6 +175,9 @@ def _read(surface: MeasuredSurface) -> tuple[FloatArray, float, str, Prepared | 
         return heights, surface.length, digest, None
     if not isinstance(surface, ScanSurface):
         raise TypeError(f"a surface of kind {surface.kind}")
+    from roughbench.scans.preparation import prepare
+    from roughbench.scans.topography import read_scan
+
     scan = read_scan(
         surface.path,
         surface.folder,

@@ -9,7 +9,6 @@ import numpy as np
 
 from roughbench.planning.measured import Heights, prepared_scan
 from roughbench.planning.plan import Cell
-from roughbench.scans.characterization import characterize
 from roughbench.spec import ScanSurface
 from roughbench.surface_record import MOST_POINTS, RecordedStep, SurfaceRecord
 
@@ -43,6 +42,8 @@ def record(surface: ScanSurface, known: Heights) -> SurfaceRecord:
     The spectrum and its fit are those of :func:`~roughbench.scans.characterize`: of the scan
     before its borders were made to meet.
     """
+    from roughbench.scans.characterization import characterize  # SciPy is slow to import
+
     prepared = prepared_scan(surface, known)
     heights, said = prepared.heights, surface.preparation()
     rows, columns = heights.shape
