@@ -218,14 +218,24 @@ def characterize(
     ready = prepare(scan, said)
     rows, columns = ready.heights.shape
     prepared = roughness(ready.heights, (ready.length, ready.length * columns / rows))
+    steps = ready.steps
+    part, length = ready.heights, ready.length
+    del ready  # mirrored, it takes four times the scan's memory
+    if said.edges == "mirror":
+        part, length = part[: rows // 2, : columns // 2].copy(), length / 2.0
     doubts = [
         doubt.text
         for doubt in doubts_of(
-            ready.heights, ready.length, raw=scan, preparation=said, gap=gap, accept=accept
+            part,
+            length,
+            raw=scan,
+            preparation=said,
+            reflected=False,
+            gap=gap,
+            accept=accept,
         )
     ]
-    steps = ready.steps
-    del ready
+    del part
     heights, box, measured = _levelled(scan, said)
     window = _needs_window(heights, edges)
     surface = surface_spectrum(heights, box, window=window, measured=measured)

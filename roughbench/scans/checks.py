@@ -32,6 +32,7 @@ def doubts_of(
     *,
     raw: Scan | None = None,
     preparation: Preparation | None = None,
+    reflected: bool | None = None,
     gap: float | None = None,
     accept: Collection[str] = (),
 ) -> list[Doubt]:
@@ -47,6 +48,9 @@ def doubts_of(
         What they were made of; without it the heights have no unit and were not prepared.
     preparation : Preparation, optional
         What was said about the scan.
+    reflected : bool, optional
+        Whether the heights hold the scan's reflections; default: where ``preparation`` says
+        mirror.
     gap : float, optional
         Mean gap at the lowest pressure, for the steps of the instrument.
     accept : collection of str
@@ -70,7 +74,7 @@ def doubts_of(
     >>> [doubt.check for doubt in doubts_of(tilted, 64.0) if doubt.is_wrong]
     ['tilt', 'jump']
     """
-    case = Case.of(heights, length, raw, preparation or Preparation(), gap)
+    case = Case.of(heights, length, raw, preparation or Preparation(), gap, reflected=reflected)
     if float(np.ptp(case.part)) == 0.0:
         return []
     found: list[Doubt] = []

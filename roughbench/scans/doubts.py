@@ -67,13 +67,15 @@ class Case:
         raw: Scan | None,
         preparation: Preparation,
         gap: float | None,
+        *,
+        reflected: bool | None = None,
     ) -> Case:
         """Put together what the checks look at; the arguments are those of doubts_of."""
         spacing = length / heights.shape[0]
         if raw is None:
             return cls(heights, spacing, heights, (spacing,) * 2, "1", preparation, gap)
         part = heights
-        if preparation.edges == "mirror":
+        if preparation.edges == "mirror" if reflected is None else reflected:
             part = heights[: heights.shape[0] // 2, : heights.shape[1] // 2]
         return cls(part, spacing, raw.heights, raw.spacing, "m", preparation, gap)
 

@@ -79,7 +79,7 @@ def test_another_program_of_that_name_is_not_meant(
         (["rnu", "small.yaml"], "Did you mean 'run'?"),
         (["Show", "x.h5"], "Did you mean 'show'?"),
         (["small.yaml", "-j", "2"], "To compute a spec: roughbench run small.yaml -j 2"),
-        (["walk"], "There are init, run, status,"),
+        (["walk"], "There are init, characterize, run,"),
     ],
 )
 def test_what_is_no_command(invoke: Invoke, words: list[str], hint: str) -> None:
