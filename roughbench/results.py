@@ -163,7 +163,8 @@ class ModelResult:
             E*, Pa.
         """
         attributes = {**self.attributes, MODULUS: float(modulus)}
-        variables = dict(_Scaled(self.variables, float(modulus)))
+        units = {name: unit for name, (unit, _) in self.described.items()}
+        variables = dict(_Scaled(self.variables, float(modulus), units))
         return replace(self, attributes=attributes, variables=variables)
 
     def reduced(self) -> ModelResult:

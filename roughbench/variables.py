@@ -174,15 +174,26 @@ def check_variables(observables: Iterable[Observable]) -> None:
         taken |= dict.fromkeys(names, observable.name)
 
 
-def describe_observable(observable: Observable, dimension: int) -> dict[str, tuple[str, str]]:
-    """Return unit and description of every variable of an observable, by name."""
-    found = {
-        name: (variable.units(dimension), variable.long_name)
-        for name, _, variable in _of_observable(observable)
-    }
-    words = "what figures divide the values by"
-    return found | {
-        f"{observable.variable}_drawn_unit": (observable.values.units(dimension), words)
+def describe_observable(
+    observable: Observable, dimension: int, *, si: bool = False
+) -> dict[str, tuple[str, str]]:
+    """Return unit and description of every variable of an observable, by name.
+
+    Parameters
+    ----------
+    observable : Observable
+    dimension : int
+        Of the heights.
+    si : bool
+        Of a spec with units.
+    """
+    values, words = observable.values, "what figures divide the values by"
+    drawn = Variable(words, values.length, values.per_dimension)  # E* is divided by apart
+    variables = {name: variable for name, _, variable in _of_observable(observable)}
+    variables[f"{observable.variable}_drawn_unit"] = drawn
+    return {
+        name: (one.si_units(dimension) if si else one.units(dimension), one.long_name)
+        for name, one in variables.items()
     }
 
 

@@ -213,7 +213,8 @@ def described(cell: Cell) -> dict[str, tuple[str, str]]:
     found: dict[str, tuple[str, str]] = {}
     for observable in cell.asked.observables:
         if is_outside(observable):
-            found |= describe_observable(observable, cell.model.dimension)
+            has_units = cell.modulus is not None
+            found |= describe_observable(observable, cell.model.dimension, si=has_units)
     return found
 
 

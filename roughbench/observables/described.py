@@ -77,10 +77,9 @@ def _text(value: object) -> str:
 
 
 def _variable(given: Mapping[str, Any]) -> Variable:
+    powers = ("length", "per_dimension", "modulus")
     return Variable(
-        on_one_line(_text(given["long_name"])),
-        int(given["length"]),
-        int(given["per_dimension"]),
+        on_one_line(_text(given["long_name"])), **{name: int(given[name]) for name in powers}
     )
 
 

@@ -168,6 +168,36 @@ def drawn(line: Line2D, axis: str) -> NDArray[np.float64]:
     return np.asarray(line.get_xdata() if axis == "x" else line.get_ydata(), float)
 
 
+def test_its_units_are_those_of_the_spec(tmp_path: Path) -> None:
+    given = {
+        "surface": {"H": 0.7, "q0": "1 / um", "qr": "2 / um", "q1": "16 / um", "slope": 0.1},
+        "modulus": {"E*": "3 GPa"},
+        "pressures": ["3 MPa", "30 MPa"],
+    }
+    plain = rb.run(write_spec(tmp_path, GAPS), threads=1)["main"]["foundation"]
+    spec = write_spec(tmp_path, GAPS, **given)
+    text = TEXT.replace('bin", length=-1)', 'bin", modulus=1)')
+    assert text != TEXT
+    (tmp_path / "gaps.py").write_text(text)
+    output = tmp_path / "o.h5"
+    rb.run(spec, output=output, threads=1)
+    with_units = rb.load(output)["main"]["foundation"]
+    assert with_units.units("gaps_mean") == "Pa"
+    assert with_units.units("gaps_average") == "m"
+    assert with_units.units("gaps_bin") == "1"
+    np.testing.assert_allclose(with_units["gaps"], 3e9 * plain["gaps"], rtol=1e-9)
+    np.testing.assert_allclose(with_units["gaps_average"], 1e-6 * plain["gaps_average"])
+    np.testing.assert_allclose(with_units.reduced()["gaps"], plain["gaps"], rtol=1e-9)
+    assert (with_units["gaps_drawn_unit"] == 2.0).all()
+    results = rb.load(output)
+    axes = figures.recipes_of(results)["gaps"].draw(results).axes[0]
+    assert axes.get_ylabel() == "share (MPa)"
+    own = next(line for line in axes.lines if "Exponential" not in str(line.get_gid()))
+    shown = with_units["gaps_mean"][0] > 0.0
+    values = with_units["gaps_mean"][0][shown] / 2.0
+    np.testing.assert_allclose(drawn(own, "y"), values / 1e6)
+
+
 def test_worker_processes_have_it(tmp_path: Path) -> None:
     spec = write_spec(tmp_path, realizations=40)
     rb.run(spec, output=tmp_path / "one.h5", jobs=1, threads=1)
