@@ -65,7 +65,8 @@ def test_every_contender_gets_what_it_works_on(spec: Path) -> None:
     # Two twins, and few contacts at the lower pressure.
     np.testing.assert_allclose(scan["area"][0, 1], twins["area_mean"][1], rtol=0.05)
     theory = results["scan"]["persson"]
-    np.testing.assert_allclose(scan["area"][0, 1], theory["area"][0, 1], rtol=0.3)
+    # Persson's area is low by about a quarter where little touches.
+    assert 1.1 < scan["area"][0, 1] / theory["area"][0, 1] < 1.6
 
 
 def test_the_file_remembers_the_surface(spec: Path) -> None:
