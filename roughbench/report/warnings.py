@@ -35,6 +35,8 @@ _ENDS = {
 ABOUT = {
     "Missing parts": "The file does not hold all that its spec asks for.",
     "Missing pressures": "Fits and comparisons use the pressures that are there.",
+    "Measured heights": "What the checks of given heights found; those of a scan stand with its "
+    "picture.",
     "States that did not converge": "The averages leave them out.",
     "Coarse grids": "The smallest contacts are not resolved; areas and stiffnesses of few "
     "contacts are off.",
@@ -77,6 +79,7 @@ def remarks(sources: Sequence[ReportSource]) -> list[Remark]:
     found = []
     for source in sources:
         found += [*_missing_parts(source), *_different_pressures(source)]
+        found += _measured(source)
         for experiment, result in source.models():
             where = f"{source.name}: {experiment}/{result.label}"
             for check in (_unconverged, _resolution, _few_points, _scatter, _medians):
@@ -125,6 +128,18 @@ def _share(part: ArrayLike, whole: ArrayLike) -> NDArray[np.float64]:
     part, whole = np.asarray(part, float), np.asarray(whole, float)
     known = np.isfinite(part) & np.isfinite(whole) & (whole > 0.0)
     return np.divide(part, whole, out=np.zeros(whole.shape), where=known)
+
+
+def _measured(source: ReportSource) -> Iterator[Remark]:
+    """Yield what the checks found of heights whose surface the page does not show."""
+    said = set()
+    for experiment, result in source.models():
+        if experiment in source.results.surfaces:
+            continue
+        for text in result.warnings:
+            if (experiment, text) not in said:
+                said.add((experiment, text))
+                yield Remark("Measured heights", f"{source.name}: {experiment}", text)
 
 
 # -- one model: pairs of topic and text --------------------------------------------------

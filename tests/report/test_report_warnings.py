@@ -192,6 +192,22 @@ def test_results_of_heights_are_read_where_the_heights_are_not(tmp_path: Path) -
         rb.run(tmp_path / "spec.yaml")
 
 
+def test_what_the_checks_found_of_given_heights_is_said_once(tmp_path: Path) -> None:
+    np.save(tmp_path / "heights.npy", 0.2 * np.sin(np.arange(64.0) * np.pi / 2 + 0.3))
+    (tmp_path / "spec.yaml").write_text(
+        "surface: {kind: file, path: heights.npy, length: 16.0}\n"
+        "pressures: [0.1, 0.5]\n"
+        "models: [{kind: foundation}, {kind: persson}]\n"
+    )
+    found = warned(rb.run(tmp_path / "spec.yaml"))
+    texts = [remark.text for remark in found if remark.topic == "Measured heights"]
+    assert len(texts) == len(set(texts)) > 0
+    assert any("slope" in text for text in texts)
+    accepted = rb.run(tmp_path / "spec.yaml", overrides=["surface.accept=[slope, resolution]"])
+    kept = [remark.text for remark in warned(accepted) if remark.topic == "Measured heights"]
+    assert set(kept) < set(texts)
+
+
 def test_warnings_are_on_the_page_or_none_is(sound: Results, change: Change) -> None:
     coarse = Page(page_of(change(sound, attributes={"grid_points": 63}))).text
     assert "▲ Coarse grids" in coarse
