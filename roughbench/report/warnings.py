@@ -35,8 +35,8 @@ _ENDS = {
 ABOUT = {
     "Missing parts": "The file does not hold all that its spec asks for.",
     "Missing pressures": "Fits and comparisons use the pressures that are there.",
-    "Measured heights": "What the checks of given heights found; those of a scan stand with its "
-    "picture.",
+    "Measured heights": "What the checks of given heights found; those of a scan stand with "
+    "its picture.",
     "States that did not converge": "The averages leave them out.",
     "Coarse grids": "The smallest contacts are not resolved; areas and stiffnesses of few "
     "contacts are off.",
