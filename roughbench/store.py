@@ -394,8 +394,9 @@ def _write_surface(group: h5py.Group, record: SurfaceRecord, sink: Sink) -> None
         data.attrs["units"], data.attrs["long_name"] = units, words
         if axes == (name,):
             data.make_scale(name)
-        elif axes[0] in group:
-            data.dims[0].attach_scale(group[axes[0]])
+            continue
+        for axis, scale in zip(data.dims, axes, strict=True):
+            axis.attach_scale(group[scale])
 
 
 def _with_scales(result: ModelResult) -> dict[str, Array]:

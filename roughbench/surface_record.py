@@ -44,13 +44,15 @@ PREFIX = "surface_"
 
 _ARRAYS = ("surface_map", "surface_q", "surface_psd", "surface_height", "surface_density")
 DESCRIBED = {
-    "surface_map": (("surface_y", "surface_x"), "m", "heights as pressed, thinned to a map"),
+    "surface_y": (("surface_y",), "m", "position along y in the map of the surface"),
+    "surface_x": (("surface_x",), "m", "position along x in the map of the surface"),
     "surface_q": (("surface_q",), "1/m", "wavevectors of the surface's spectrum"),
-    "surface_psd": (("surface_q",), "m^4", "power spectrum C2D of the surface"),
     "surface_height": (("surface_height",), "m", "heights"),
+    "surface_map": (("surface_y", "surface_x"), "m", "heights as pressed, thinned to a map"),
+    "surface_psd": (("surface_q",), "m^4", "power spectrum C2D of the surface"),
     "surface_density": (("surface_height",), "1/m", "probability density of the heights"),
 }
-"""Dimensions, unit and description of its arrays in a file."""
+"""Dimensions, unit and description of its arrays in a file, dimension scales first."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,7 +96,10 @@ class SurfaceRecord:
     def arrays(self) -> dict[str, FloatArray]:
         """Return its arrays by the names that they have in a file."""
         found = (self.heights, *self.spectrum, *self.height_density)
-        return dict(zip(_ARRAYS, found, strict=True))
+        arrays = dict(zip(_ARRAYS, found, strict=True))
+        for axis, n, side in zip("yx", self.heights.shape, self.size, strict=True):
+            arrays[f"surface_{axis}"] = side / n * np.arange(n, dtype=np.float64)
+        return {name: arrays[name] for name in DESCRIBED}
 
     def attributes(self) -> dict[str, str | float]:
         """Return the rest of it, as attributes of a file know it."""

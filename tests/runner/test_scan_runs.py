@@ -8,6 +8,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
+import xarray as xr
 
 import roughbench as rb
 from roughbench.runner import plan
@@ -99,6 +100,10 @@ def test_the_file_remembers_the_surface(spec: Path) -> None:
         assert file["scan/bem/surface_map"].attrs["units"] == "m"
         assert "surface_map" not in file["scan/persson"]
     assert list(rb.load(output).surfaces) == ["scan"]
+    with xr.open_dataset(output, group="/scan/bem", engine="h5netcdf") as opened:
+        assert opened["surface_map"].dims == ("surface_y", "surface_x")
+        assert float(opened["surface_x"][-1]) == pytest.approx(2 * SIDE * 191 / 192)
+        assert opened["pressure"].attrs["units"] == "Pa"
     assert "surface_map" not in rb.load(output)["scan"]["bem"]
 
 
