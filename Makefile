@@ -103,7 +103,7 @@ $(MINIMUM)/ready: pyproject.toml scripts/minimum_versions.py | setup
 	$(BIN)/python -m venv --clear --without-pip $(MINIMUM)
 	$(BIN)/python scripts/minimum_versions.py dask > $(MINIMUM)/constraints.txt
 	$(BIN)/python -m pip --python $(MINIMUM)/bin/python install --quiet \
-		--constraint $(MINIMUM)/constraints.txt --editable '.[dev]'
+		--constraint $(MINIMUM)/constraints.txt --editable '.[test]'
 	touch $@
 
 lint: setup-dev ## ruff and mypy
