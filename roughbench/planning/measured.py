@@ -33,9 +33,9 @@ class Heights:
     length : float
         Period along the first axis, length.
     spectrum : Spectrum or None
-        The radially averaged one; None where nobody needs it, or there is none.
+        The radially averaged one; None where there is none.
     fault : str
-        Why there is none, where one was asked for; else empty.
+        Why there is none; else empty.
     doubts : tuple of Doubt
         What makes an answer on them wrong or doubtful.
     """
@@ -65,16 +65,12 @@ _latest: dict[MeasuredSurface, tuple[str, Prepared]] = {}
 """The scan that was prepared last, for tasks of the same process: it takes seconds."""
 
 
-def read_heights(
-    surface: MeasuredSurface, *, spectrum: bool = True, pressure: float | None = None
-) -> Heights:
+def read_heights(surface: MeasuredSurface, *, pressure: float | None = None) -> Heights:
     """Read measured heights, prepare them, and return what a plan has to know of them.
 
     Parameters
     ----------
     surface : MeasuredSurface
-    spectrum : bool
-        Whether a model needs their spectrum.
     pressure : float, optional
         Lowest p/E* that is asked for: steps of an instrument are compared with the mean gap
         that Persson's theory gives there.
@@ -88,16 +84,16 @@ def read_heights(
 
     heights, length, digest, prepared = _read(surface.original())
     found, fault = None, ""
-    if spectrum or pressure is not None:
-        try:
-            found = measured_spectrum(heights, length)
-        except SurfaceError as error:
-            fault = f"{surface.path}: {error}"
+    try:
+        found = measured_spectrum(heights, length)
+    except SurfaceError as error:
+        fault = f"{surface.path}: {error}"
+    rms_height, rms_slope = rms_height_and_slope(heights, length)
     return Heights(
         digest=digest,
         shape=heights.shape,
-        rms_height=(sizes := rms_height_and_slope(heights, length))[0],
-        rms_slope=sizes[1],
+        rms_height=rms_height,
+        rms_slope=rms_slope,
         length=length,
         spectrum=found,
         fault=fault,
@@ -131,7 +127,7 @@ def prepared_scan(surface: ScanSurface, known: Heights) -> Prepared:
     SurfaceError
         If the file holds other heights by now.
     """
-    _checked(surface, known)
+    heights_of(surface, known)
     return _latest[surface.original()][1]
 
 
@@ -143,10 +139,6 @@ def heights_of(surface: MeasuredSurface, known: Heights) -> FloatArray:
     SurfaceError
         If the file holds other heights by now.
     """
-    return _checked(surface, known)
-
-
-def _checked(surface: MeasuredSurface, known: Heights) -> FloatArray:
     original = surface.original()
     digest, prepared = _latest.get(original, ("", None))
     if prepared is not None and digest == known.digest:

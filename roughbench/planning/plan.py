@@ -258,12 +258,9 @@ def _read_files(
             continue
         surface = spec.surface.original()
         if surface not in heights:
-            needed = any(
-                model.dimension < 2 for _, other in experiments for model in other.models
-            )
+            lowest = min(min(other.pressures) for _, other in experiments)
             try:
-                lowest = min(min(other.pressures) for _, other in experiments)
-                heights[surface] = read_heights(surface, spectrum=needed, pressure=lowest)
+                heights[surface] = read_heights(surface, pressure=lowest)
             except SurfaceError as error:
                 faults.setdefault(str(error), name)
     return heights, [f"{name}: {fault}" for fault, name in faults.items()]
