@@ -27,8 +27,9 @@ from numpy.typing import NDArray
 
 from roughbench.models.base import CompleteCurve
 from roughbench.models.halfspace import evaluation
-from roughbench.models.halfspace.contact import solve_curve, solve_states
+from roughbench.models.halfspace.contact import solve_curve
 from roughbench.models.halfspace.operator import HalfSpaceOperator
+from roughbench.models.halfspace.states import solve_states
 from roughbench.models.halfspace.threads import ThreadTeam
 from roughbench.spectrum import self_affine
 from roughbench.surface import make_surface, realization_generator

@@ -124,7 +124,7 @@ class Line(Model):
     ) -> Iterator[State]:
         """Solve the states on the line of the sample."""
         # Numba and FFTW load only where they are needed.
-        from roughbench.models.halfspace.contact import solve_states
+        from roughbench.models.halfspace.states import solve_states
 
         del finished
         if sample.heights is None or sample.heights.ndim != 1:

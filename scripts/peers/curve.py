@@ -125,7 +125,7 @@ def run_peer(code: str, heights: Heights, arguments: list[float]) -> dict[str, A
 def run_roughbench(heights: Heights, arguments: list[float]) -> dict[str, Any]:
     """Solve the curve; a short one first, so that nothing is compiled in the timed one."""
     import roughbench as rb
-    from roughbench.models.halfspace.contact import solve_states
+    from roughbench.models.halfspace.states import solve_states
 
     length, tolerance, _, *loads = arguments
     rb.solve_curve(heights, loads[:1], length=length, tolerance=tolerance)

@@ -18,7 +18,7 @@ from roughbench import runner
 from roughbench.models import MODELS
 from roughbench.models.base import Fields, Model, State, Status
 from roughbench.models.halfspace import HalfSpace
-from roughbench.models.halfspace import contact as halfspace_contact
+from roughbench.models.halfspace import problem as halfspace_problem
 from roughbench.models.winkler import Winkler, matched_modulus
 from roughbench.observables import (
     OBSERVABLES,
@@ -273,13 +273,13 @@ def test_to_look_changes_no_curve(seen: Results) -> None:
 
 def test_nobody_is_asked_for_fields_that_nobody_wants(monkeypatch: pytest.MonkeyPatch) -> None:
     taken: list[float] = []
-    real = halfspace_contact._Problem.fields
+    real = halfspace_problem.Problem.fields
 
     def spy(problem: Any, solution: Any, load: float) -> Fields:
         taken.append(load)
         return real(problem, solution, load)
 
-    monkeypatch.setattr(halfspace_contact._Problem, "fields", spy)
+    monkeypatch.setattr(halfspace_problem.Problem, "fields", spy)
     rb.run(NOTHING | {"models": [{"kind": "bem"}]}, threads=1)
     assert not taken
     kept = {"pressures": [2e-2], "realizations": [1]}

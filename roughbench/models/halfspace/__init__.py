@@ -1,8 +1,9 @@
 """The exact contender: a hard rough wall pressed against a periodic elastic half-space.
 
-``contact`` holds the public functions and ``solver`` the outer loop, with ``start`` for where
-it begins, ``evaluation`` for the gap that a pressure leads to, and ``certificate`` for when
-that counts as solved. ``relaxation`` is the inner loop, ``tangent`` the stiffness, both on a
+``contact`` holds the public functions, ``states`` a curve, ``problem`` the arguments of both
+and their units. ``solver`` is the outer loop, with ``start`` for where it begins,
+``evaluation`` for the gap that a pressure leads to, and ``certificate`` for when that counts
+as solved. ``relaxation`` is the inner loop, ``tangent`` the stiffness, both on a
 ``workspace``: ``operator`` or ``direct`` for the elasticity, and ``preconditioner``.
 ``loops``, run by ``threads``, and :mod:`roughbench.transform` do the array work; ``options``
 are those that it shares with :mod:`roughbench.models.line`.
@@ -80,7 +81,7 @@ class HalfSpace(Model):
     ) -> Iterator[State]:
         """Solve the states on the heights of the sample, each started from its neighbour."""
         # Numba and FFTW load only where they are needed.
-        from roughbench.models.halfspace.contact import solve_states
+        from roughbench.models.halfspace.states import solve_states
 
         if sample.heights is None or sample.heights.ndim != 2:
             raise SolverError("the exact solver needs the heights of a surface, shape (n, m)")

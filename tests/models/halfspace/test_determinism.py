@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 from roughbench.models.base import State
-from roughbench.models.halfspace.contact import solve_contact, solve_curve, solve_states
+from roughbench.models.halfspace.contact import solve_contact, solve_curve
+from roughbench.models.halfspace.states import solve_states
 from roughbench.models.halfspace.working_set import WorkingSet
 
 if TYPE_CHECKING:
