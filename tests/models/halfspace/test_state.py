@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 import roughbench as rb
-from roughbench.models.halfspace import contact
+from roughbench.models.halfspace import contact, problem
 from roughbench.models.halfspace.contact import ContactState
 from roughbench.models.halfspace.solver import Solver
 from tests.models.halfspace.conftest import CELL, Rough
@@ -94,7 +94,8 @@ def test_a_state_keeps_no_solver_threads_or_buffers(
             super().__init__(*args, **options)
             made.extend(weakref.ref(part) for part in (self, self.team, self.exact))
 
-    monkeypatch.setattr(contact, "Solver", Watched)
+    for module in contact, problem:
+        monkeypatch.setattr(module, "Solver", Watched)
     before = threading.active_count()
     gc.disable()
     try:
