@@ -25,6 +25,7 @@ from tests.test_store import assert_equal, model_result, results
 FULL = """
 import io, sys
 from roughbench import store
+from roughbench.store.writing import write_file
 from tests.test_store import results
 
 class Full(io.BytesIO):

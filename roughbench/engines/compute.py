@@ -13,17 +13,9 @@ from threadpoolctl import threadpool_limits
 
 from roughbench.engines.observing import Observer
 from roughbench.errors import RoughbenchError, SolverError
-from roughbench.models.base import (
-    QUANTITIES,
-    Curve,
-    Fields,
-    FloatArray,
-    Sample,
-    State,
-    Status,
-)
-from roughbench.planning.plan import Block, Task
+from roughbench.models.base import QUANTITIES, Curve, Fields, FloatArray, Sample, State, Status
 from roughbench.planning.samples import make_sample, rms_of
+from roughbench.planning.tasks import Block, Task
 from roughbench.results import Array
 from roughbench.rundir.checkpoint import Checkpoint
 from roughbench.rundir.collected import of_other_variables

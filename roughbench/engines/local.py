@@ -23,8 +23,8 @@ from typing import Any
 
 from roughbench.engines.base import CheckpointOf, TaskListener, TaskOutcome, carry_out
 from roughbench.errors import RoughbenchError
-from roughbench.planning.plan import Task
 from roughbench.planning.resources import ResourceLimits, memory_of
+from roughbench.planning.tasks import Task
 from roughbench.rundir.checkpoint import Checkpoint
 from roughbench.signals import SIGNALS, signals_held_back
 

@@ -31,7 +31,7 @@ import numpy as np
 
 from roughbench.errors import LockedError, StoreError, explained
 from roughbench.locks import open_lock, try_lock
-from roughbench.planning.plan import Block, Task
+from roughbench.planning.tasks import Block, Task
 from roughbench.publish import commit, refusals_named, remove_leftovers, temporary_of
 from roughbench.rundir.checkpoint import Checkpoint
 from roughbench.rundir.identity import Identity, key_of

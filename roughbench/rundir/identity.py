@@ -21,7 +21,7 @@ from pathlib import Path
 import roughbench.observables
 from roughbench.models.base import Model
 from roughbench.observables import OBSERVABLES, Observable
-from roughbench.planning.plan import Cell
+from roughbench.planning.cells import Cell
 from roughbench.planning.samples import draws_lines
 from roughbench.public import LAZY
 from roughbench.quantities import QUANTITIES

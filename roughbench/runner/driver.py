@@ -18,8 +18,10 @@ from roughbench.engines.local import (
 )
 from roughbench.errors import StoreError
 from roughbench.outputs import Kind, check_output
-from roughbench.planning.plan import Cell, Task, check, plan, warnings
+from roughbench.planning.cells import Cell
+from roughbench.planning.plan import check, plan, warnings
 from roughbench.planning.resources import ResourceLimits, check_memory, resource_limits
+from roughbench.planning.tasks import Task
 from roughbench.publish import make_folder, put, refusals_named
 from roughbench.results import MadeWhenAsked, ModelResult, Results
 from roughbench.rundir.folder import RunFolder

@@ -7,8 +7,8 @@ from dataclasses import asdict
 
 import numpy as np
 
+from roughbench.planning.cells import Cell
 from roughbench.planning.measured import Heights, prepared_scan
-from roughbench.planning.plan import Cell
 from roughbench.spec import ScanSurface
 from roughbench.surface_record import MOST_POINTS, RecordedStep, SurfaceRecord
 

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from roughbench.errors import RoughbenchError
-from roughbench.planning.plan import Block, Cell, Task, cut
+from roughbench.planning.cells import Cell
 from roughbench.planning.resources import ResourceLimits
+from roughbench.planning.tasks import Block, Task, cut
 from roughbench.rundir.collected import Collected, Coverage, places_of
 from roughbench.rundir.folder import RunFolder
 from roughbench.rundir.former import FormerIdentities

@@ -20,7 +20,8 @@ from pathlib import Path
 from roughbench.engines.compute import compute
 from roughbench.errors import RoughbenchError, StoreError
 from roughbench.models.base import Model
-from roughbench.planning.plan import Cell, Task
+from roughbench.planning.cells import Cell
+from roughbench.planning.tasks import Task
 from roughbench.publish import commit
 from roughbench.rundir.identity import code_digest
 from roughbench.spec import SelfAffineSurface

@@ -15,7 +15,8 @@ import roughbench as rb
 from roughbench import figures
 from roughbench.cli import main
 from roughbench.fits import NOT_GIVEN, fit
-from roughbench.planning.plan import Cell, plan
+from roughbench.planning.cells import Cell
+from roughbench.planning.plan import plan
 from roughbench.runner import driver
 from tests.engines.fakes import AtOnce
 

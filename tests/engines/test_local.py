@@ -22,13 +22,14 @@ from roughbench.engines.base import TaskOutcome
 from roughbench.engines.local import compute_here, compute_in_workers
 from roughbench.memory import AvailableMemory
 from roughbench.planning import resources
-from roughbench.planning.plan import Cell, Task
+from roughbench.planning.cells import Cell
 from roughbench.planning.resources import (
     ResourceLimits,
     check_memory,
     memory_of,
     resource_limits,
 )
+from roughbench.planning.tasks import Task
 from roughbench.signals import signals_held_back
 from roughbench.spec import load_spec
 from tests.engines.fakes import Fake, Misdeed, StrangeError

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 import roughbench as rb
 from roughbench import runner
-from roughbench.planning.plan import Cell
+from roughbench.planning.cells import Cell
 from roughbench.rundir import checkpoint as checkpoints
 from roughbench.rundir.checkpoint import Checkpoint
 from roughbench.rundir.folder import RunFolder

@@ -13,7 +13,9 @@ from roughbench import runner
 from roughbench.engines.compute import compute
 from roughbench.heights_file import load_heights
 from roughbench.planning import measured
-from roughbench.planning.plan import Cell, Task, plan
+from roughbench.planning.cells import Cell
+from roughbench.planning.plan import plan
+from roughbench.planning.tasks import Task
 from roughbench.rundir.folder import RunFolder
 from roughbench.spec import load_spec
 

@@ -13,7 +13,7 @@ import pytest
 import roughbench as rb
 from roughbench import runner
 from roughbench.errors import IncompleteError
-from roughbench.planning.plan import Cell
+from roughbench.planning.cells import Cell
 from roughbench.rundir import checkpoint as checkpoints
 from roughbench.rundir.folder import RunFolder
 from roughbench.rundir.journal import log_task

@@ -14,8 +14,9 @@ from roughbench.engines.compute import compute
 from roughbench.models.base import Status
 from roughbench.models.foundation import foundation_curve
 from roughbench.models.persson import Persson, persson_curve
-from roughbench.planning.plan import Cell, Task, cut
+from roughbench.planning.cells import Cell
 from roughbench.planning.samples import make_sample
+from roughbench.planning.tasks import Task, cut
 from roughbench.runner import Progress, check, driver, plan
 from roughbench.runner.assemble import assemble
 from roughbench.spec import load_spec
