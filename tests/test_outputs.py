@@ -230,7 +230,7 @@ def test_a_file_that_appears_during_the_run_stays(
         (folder / "new.h5").write_text("a thesis")
         return assemble(*arguments)
 
-    monkeypatch.setattr("roughbench.runner.driver.assemble", meanwhile)
+    monkeypatch.setattr("roughbench.runner.publication.assemble", meanwhile)
     done = invoke("run", "small.yaml", "-o", "new.h5")
     assert done.exit_code == 3  # the tasks are kept
     assert "no results file that roughbench wrote" in done.stderr

@@ -18,7 +18,8 @@ from roughbench.report.observables import drawn_pressures, observable_charts, pr
 from roughbench.report.pictures import MOST_POINTS
 from roughbench.report.sources import ReportSource, places
 from roughbench.report.styles import PageStyle, experiment_dashes, page_styles
-from roughbench.report.surfaces import HEIGHT_COLOURS, surface_sections, synthetic_table
+from roughbench.report.surface_tables import synthetic_table
+from roughbench.report.surfaces import HEIGHT_COLOURS, surface_sections
 from roughbench.report.tables import compared, fit_tables, model_table
 from roughbench.report.text import from_notation, from_remedy, plain, without_folders
 from roughbench.report.trust import trust_tables

@@ -13,7 +13,8 @@ from roughbench.planning.resources import available_cores
 from roughbench.planning.samples import make_sample
 from roughbench.rundir.folder import folder_of
 from roughbench.runner.cleaning import clean
-from roughbench.runner.driver import preview, run, run_to_file
+from roughbench.runner.driver import run, run_to_file
+from roughbench.runner.dry_run import preview
 from roughbench.runner.inspection import RunState, status
 from roughbench.runner.overview import PlanRow
 from roughbench.runner.progress import Progress, ProgressListener

@@ -109,6 +109,19 @@ def _git_commit() -> str:
     return ""
 
 
+def request_of(spec: Spec, cell_states: Sequence[CellState], command: str) -> dict[str, object]:
+    """Return what a run was asked for, for ``status`` and ``clean``."""
+    return {
+        "spec": spec.text,
+        "name": spec.name,
+        "folder": str(spec.folder.absolute()),
+        "spec_sha256": spec.sha256,
+        "command": command,
+        "threads": {str(cell_state.cell): cell_state.threads for cell_state in cell_states},
+        "keys": sorted({cell_state.key for cell_state in cell_states}),
+    }
+
+
 @dataclass(frozen=True, slots=True)
 class Account:
     """What a run has made of one model, and what that took.

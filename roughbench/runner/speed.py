@@ -1,6 +1,6 @@
 """How long models take on this machine: measured once for each, and kept.
 
-The work of a cell (:attr:`roughbench.planning.plan.Cell.work`) says how the time grows with
+The work of a cell (:attr:`roughbench.planning.cells.Cell.work`) says how the time grows with
 points and pressures; a short computation of each model says how long that is here. It compiles
 the loops on the way, if they are not yet compiled, which the run then need not.
 """

@@ -28,12 +28,13 @@ from roughbench.scans.checks import doubts_of
 from roughbench.scans.detrending import Detrend, fit_trend
 from roughbench.scans.edges import Edges, border_jump, without_missing_border
 from roughbench.scans.filling import fill_holes
+from roughbench.scans.measured_spectrum import MeasuredSpectrum
 from roughbench.scans.outliers import find_outliers
 from roughbench.scans.preparation import Preparation, Step, prepare
 from roughbench.scans.profile_fit import ProfileFit, fit_profiles
 from roughbench.scans.roughness import Roughness, roughness
 from roughbench.scans.self_affine_fit import SelfAffineFit, fit_self_affine
-from roughbench.scans.spectra import MeasuredSpectrum, profile_spectrum, surface_spectrum
+from roughbench.scans.spectra import profile_spectrum, surface_spectrum
 from roughbench.scans.topography import Scan, read_scan
 from roughbench.scans.words import per_cent
 from roughbench.units import to_si

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import codecs
 import contextlib
-import io
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import BinaryIO
 
@@ -22,18 +19,17 @@ from roughbench.scans.number_text import (
     is_data,
     is_numeric,
     parsed,
+    pieces,
     spelled,
 )
 from roughbench.text import on_one_line
 
 FloatArray = NDArray[np.float64]
 
-_CHUNK = 1 << 22
 _SAMPLE = 1 << 16
 """Bytes that the separators are looked for in."""
 _MOST_HEADER = 10_000
 """Lines."""
-UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
 
 @dataclass(slots=True)
@@ -61,7 +57,7 @@ class NumberReader:
 
     def read(self, file: BinaryIO) -> list[NumberBlock]:
         """Return the blocks, in the order of the file."""
-        for piece in _pieces(file, self._name):
+        for piece in pieces(file, self._name):
             self._take(piece)
         if self._blocks:  # what is said below the numbers is on them, too
             self._blocks[-1].header.extend(self._header)
@@ -229,25 +225,3 @@ class NumberReader:
 
     def _fault(self, text: str, line: int) -> SurfaceError:
         return SurfaceError(f"{self._name}: line {line}: {on_one_line(text)}")
-
-
-def _pieces(file: BinaryIO, name: str) -> Iterator[bytes]:
-    """Yield the file in UTF-8 or an older code, in pieces of whole lines that end in LF."""
-    head = file.read(4)
-    file.seek(0)
-    if head.startswith(UTF16):
-        try:
-            file = io.BytesIO(file.read().decode("utf-16").encode())
-        except UnicodeDecodeError as error:
-            raise SurfaceError(f"{name}: damaged: it begins as UTF-16 and is none") from error
-    elif head.startswith(codecs.BOM_UTF8):
-        file.seek(len(codecs.BOM_UTF8))
-    while piece := file.read(_CHUNK):
-        piece += file.readline()
-        if b"\0" in piece:
-            raise SurfaceError(
-                f"{name}: no text: bytes of zero in it; it is damaged or foreign"
-            )
-        if b"\r" in piece:
-            piece = piece.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-        yield piece if piece.endswith(b"\n") else piece + b"\n"

@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+import codecs
+import io
 import re
+from collections.abc import Iterator
+from typing import BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
+from roughbench.errors import SurfaceError
+
 FloatArray = NDArray[np.float64]
+
+_CHUNK = 1 << 22
+UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
 _FEWEST_SIGNS = 3
 """Separators in a line without numbers that is yet a row of a matrix, all of it missing."""
@@ -102,3 +111,25 @@ def decoded(text: bytes) -> str:
         return text.decode()
     except UnicodeDecodeError:
         return text.decode("cp1252", "replace")
+
+
+def pieces(file: BinaryIO, name: str) -> Iterator[bytes]:
+    """Yield the file in UTF-8 or an older code, in pieces of whole lines that end in LF."""
+    head = file.read(4)
+    file.seek(0)
+    if head.startswith(UTF16):
+        try:
+            file = io.BytesIO(file.read().decode("utf-16").encode())
+        except UnicodeDecodeError as error:
+            raise SurfaceError(f"{name}: damaged: it begins as UTF-16 and is none") from error
+    elif head.startswith(codecs.BOM_UTF8):
+        file.seek(len(codecs.BOM_UTF8))
+    while piece := file.read(_CHUNK):
+        piece += file.readline()
+        if b"\0" in piece:
+            raise SurfaceError(
+                f"{name}: no text: bytes of zero in it; it is damaged or foreign"
+            )
+        if b"\r" in piece:
+            piece = piece.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+        yield piece if piece.endswith(b"\n") else piece + b"\n"

@@ -14,7 +14,8 @@ from roughbench.heights_file import check_there
 from roughbench.scans import headers, points
 from roughbench.scans.image import Channel, Image, choose, held
 from roughbench.scans.lengths import in_metres
-from roughbench.scans.number_blocks import UTF16, NumberBlock, NumberReader
+from roughbench.scans.number_blocks import NumberBlock, NumberReader
+from roughbench.scans.number_text import UTF16
 
 FloatArray = NDArray[np.float64]
 HEAD = 1 << 12

@@ -17,7 +17,7 @@ import roughbench as rb
 from roughbench.engines import dask_scheduler, dask_workers
 from roughbench.errors import IncompleteError
 from roughbench.planning.cells import Cell
-from roughbench.runner import Cluster, Progress, driver
+from roughbench.runner import Cluster, Progress, preparation
 from roughbench.spec import load_spec
 from tests.engines.dask_processes import SPEC, Processes, dask_processes
 from tests.engines.fakes import Fake, Misdeed
@@ -38,7 +38,7 @@ def fakes(monkeypatch: pytest.MonkeyPatch, n: int, misdeed: Misdeed, **options: 
     spec = load_spec(SPEC)
     model = Fake(misdeed=misdeed, **options)
     cell = Cell("main", model, spec.surface, spec.pressures, n, spec.seed)
-    monkeypatch.setattr(driver, "plan", lambda _: [cell])
+    monkeypatch.setattr(preparation, "plan", lambda _: [cell])
     module = sys.modules[Cell.__module__]  # the package has a function of its name
     monkeypatch.setattr(module, "SECONDS_PER_TASK", 1e-9)  # one realization each
     return cell

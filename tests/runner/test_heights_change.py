@@ -91,7 +91,7 @@ def test_workers_refuse_what_the_plan_did_not_see(heights: list[Path]) -> None:
     put(heights[1])
     news: list[runner.Progress] = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("roughbench.runner.driver.plan", lambda _: cells)
+        patch.setattr("roughbench.runner.preparation.plan", lambda _: cells)
         with pytest.raises(rb.SolverError, match="changed since the run began"):
             rb.run(folder / "spec.yaml", output=folder / "r.h5", jobs=2, progress=news.append)
     assert [RunFolder(folder / "r.h5").shards(key) for key in _keys(folder)] == []

@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 import roughbench as rb
 from roughbench import figures
 from roughbench.cli import main
-from roughbench.cli.tables import as_text, observables_csv, summary_csv
+from roughbench.cli.results_csv import observables_csv, summary_csv
+from roughbench.cli.tables import as_text
 from roughbench.engines.compute import compute
 from roughbench.errors import RoughbenchError, StoreError
 from roughbench.figures.rebuild import spec_fault

@@ -136,7 +136,7 @@ def test_a_scan_that_changes_under_a_run_is_refused(
     cells = plan(load_spec(spec))
     np.save(spec.parent / "plate.npy", rough(seed=2))
     plan(load_spec(spec))  # what this process prepared last is the other one
-    monkeypatch.setattr("roughbench.runner.driver.plan", lambda _: cells)
+    monkeypatch.setattr("roughbench.runner.preparation.plan", lambda _: cells)
     with pytest.raises(rb.SolverError, match="changed since the run began"):
         rb.run(spec)
 
