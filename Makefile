@@ -67,8 +67,8 @@ figures: demo fig1 fig2 fig3 fig4 ## demo and the four figures above
 paper-fig3 paper-fig4 paper-bem: setup
 	$(call compute,$@,configs/paper/$(@:paper-%=%).yaml)
 
-paper-fig3: ## Fig. 3 at the paper's q1 = 8192 q0, without the exact solver
-paper-fig4: ## Fig. 4 at the paper's q1 = 8192 q0, without the exact solver
+paper-fig3: ## area and separation at the paper's q1 = 8192 q0, as Fig. 3
+paper-fig4: ## stiffness at the paper's q1 = 8192 q0, as Fig. 4
 paper-bem: ## the exact solver at q1 = 8192 q0: 13.5 GB of memory, two hours
 
 $(STUDIES:%=study-%): setup

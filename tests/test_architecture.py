@@ -155,9 +155,9 @@ def test_a_fault_would_be_found(name: str, text: str, fault: str) -> None:
 
 KINDS_ELSEWHERE = {
     ("figures.__init__", "foundation"): "the name of a figure, the paper's first",
-    ("figures.agreement", "foundation"): "the paper's Fig. 4 compares these two",
-    ("figures.agreement", "persson"): "the paper's Fig. 4 compares these two",
-    ("figures.pressed", "foundation"): "the paper's Fig. 1 is of this one",
+    ("figures.agreement", "foundation"): "the stiffness of these two is the paper's Fig. 4",
+    ("figures.agreement", "persson"): "the stiffness of these two is the paper's Fig. 4",
+    ("figures.pressed", "foundation"): "the paper's Fig. 1 shows this foundation",
     ("figures.spectrum", "line"): "what a model needs",
     ("report.observables", "persson"): "the end of a variable's name",
     ("report.tables", "line"): "a word",

@@ -65,9 +65,9 @@ _MORE = {name: QuantityFigure(name) for name in compared() if name not in _PAPER
 FIGURES: Mapping[str, Recipe] = Registry(
     "roughbench.figures", {"surface": measured, **_PAPER, **_MORE, **_OF_FIELDS}
 )
-"""Name → recipe: the measured surface; the paper's Figs. 1, 2, 3(a), 3(b), 4, and both halves
-of Fig. 3; further quantities; each observable, and the fields that are kept; those that other
-packages declare."""
+"""Name → recipe: the measured surface; the foundation, Fig. 1 of the paper; the spectrum,
+Fig. 2; area and separation, Fig. 3; the stiffness, Fig. 4; further quantities; each observable, and the
+fields that are kept; those that other packages declare."""
 
 
 def available(results: Results) -> list[str]:

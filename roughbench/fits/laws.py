@@ -12,7 +12,7 @@ name                        criterion
 ``u0``, ``alpha``,          ū = u0 ln(p0/p), least squares in ln p over the pressures
 ``beta``,                   of that region; α = u0/h_rms, β = p0/E*; with the rms height
 ``alpha_realized``          of the spectrum and of the realized heights
-``u0_from_stiffness``       geometric mean of p⟨1/K⟩ over the region K ∼ p: u0 by eq. (3)
+``u0_from_stiffness``       geometric mean of p⟨1/K⟩ over the region K ∼ p: u0 by eq. (9)
 ``plateau_decades``         width in decades of the widest range on which the slope
                             d ln K/d ln p, over two steps of pressure, stays within
                             1 ± 0.15

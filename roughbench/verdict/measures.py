@@ -29,7 +29,7 @@ MANY_SCALES = 32.0
 ROLLOFF = 8.0
 """q_r/q₀ of the paper's surfaces with a roll-off."""
 GAMMAS = (0.4, 0.5)
-"""γ of the paper's theory, which says that it is about 0.45."""
+"""γ of the theory at its best: 0.45 of Yang and Persson (2008). The paper does not name it."""
 SMALL_AREA = 0.01
 """A/A0 at which correlations are measured: the nearest pressure, in ln A."""
 SMALL_AREAS = (0.003, 0.03)
