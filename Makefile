@@ -34,18 +34,22 @@ STUDIES := contenders fields size rolloff below hurst cutoff resolution
 # The figures that each run is drawn for; empty: all that its results allow.
 FIGURES_fig1 = foundation
 FIGURES_fig2 = spectrum
-FIGURES_fig3 = fig3 area separation
-FIGURES_fig4 = stiffness
-FIGURES_paper-fig3 = fig3 area separation
-FIGURES_paper-fig4 = stiffness
+FIGURES_fig3 = printed_fig3 fig3 area separation
+FIGURES_fig4 = printed_fig4 stiffness
+FIGURES_paper-fig3 = printed_fig3 fig3 area separation
+FIGURES_paper-fig4 = printed_fig4 stiffness
 FIGURES_paper-bem = fig3 area separation stiffness
+
+# Results whose models are drawn beside, where they are there: exact points of `make paper-bem`.
+BESIDE_paper-fig3 = $(wildcard results/paper-bem.h5)
+BESIDE_paper-fig4 = $(wildcard results/paper-bem.h5)
 
 # $(call compute,NAME,SPEC): run SPEC into results/NAME.h5, draw it into figures/NAME/.
 define compute
 	@mkdir -p results
 	$(BIN)/roughbench run $(2) -j $(JOBS) -o results/$(1).h5
 	$(BIN)/roughbench plot results/$(1).h5 -o figures/$(1) \
-		$(addprefix --figure ,$(FIGURES_$(1)))
+		$(addprefix --figure ,$(FIGURES_$(1))) $(addprefix --with ,$(BESIDE_$(1)))
 endef
 
 demo: setup ## all three models on the same surfaces, and their figures: two minutes
