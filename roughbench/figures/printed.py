@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from roughbench.figures.axes import Axes as Shown
 from roughbench.figures.axes import axes_of
 from roughbench.models.registry import is_reference
+from roughbench.quantities import QUANTITIES
 from roughbench.results import ModelResult, Results
 from roughbench.verdict.onset import foundation_and_theory
 
@@ -87,6 +88,17 @@ def lack_of(results: Results) -> str | None:
     if len(set(ratios)) < len(ratios) or len(cases) < len(results):
         return f"experiments that differ in the roll-off alone, at most {len(_COLOURS)}"
     return None
+
+
+def lack_of_values(results: Results, name: str) -> str | None:
+    """Return what results lack that have no value of a quantity to be drawn, or None."""
+    for case in cases_of(results):
+        for model in (case.springs, case.theory, case.exact):
+            if model is not None and f"{name}_mean" in model:
+                mean = np.asarray(model[f"{name}_mean"], float)
+                if (np.isfinite(mean) & (mean > 0.0)).any():
+                    return None
+    return f"a finite {QUANTITIES[name].words} of one of them"
 
 
 def mean_of(result: ModelResult, name: str, shown: Shown) -> tuple[FloatArray, ...]:

@@ -18,6 +18,7 @@ from roughbench.figures.printed import (
     counts_remark,
     draw_case,
     lack_of,
+    lack_of_values,
     legend_of,
     mean_of,
     scaled_axes,
@@ -35,7 +36,8 @@ _HALF = 0.5
 
 def missing(results: Results) -> str | None:
     """Return what the results lack for this figure, or None."""
-    return lack_of(results)
+    lacks = (lack_of_values(results, name) for name in ("area", "separation"))
+    return lack_of(results) or next(filter(None, lacks), None)
 
 
 def draw(results: Results) -> Figure:

@@ -23,6 +23,7 @@ from roughbench.figures.printed import (
     counts_remark,
     draw_case,
     lack_of,
+    lack_of_values,
     legend_of,
     mean_of,
     scaled_axes,
@@ -47,7 +48,7 @@ _NO_ONSET = "no law of few contacts in these pressures"
 
 def missing(results: Results) -> str | None:
     """Return what the results lack for this figure, or None."""
-    return lack_of(results)
+    return lack_of(results) or lack_of_values(results, "stiffness")
 
 
 def draw(results: Results) -> Figure:
