@@ -36,9 +36,10 @@ sweep: {surface.qr: [1.0, 4.0]}
 """
 
 
-@pytest.fixture
-def fits(folder: Path) -> Path:
+@pytest.fixture(scope="module")
+def fits(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the results file of the spec above."""
+    folder = tmp_path_factory.mktemp("fits")
     (folder / "fits.yaml").write_text(SPEC)
     rb.run(folder / "fits.yaml", output=folder / "fits.h5", threads=1)
     return folder / "fits.h5"
