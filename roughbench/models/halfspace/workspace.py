@@ -7,12 +7,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from roughbench.models.halfspace.direct import DirectOperator
+from roughbench.models.halfspace.direct import DirectOperator, cost_of_transforms
 from roughbench.models.halfspace.loops import relaxation, tiles
 from roughbench.models.halfspace.operator import HalfSpaceOperator, stiffness_stencil
 from roughbench.models.halfspace.preconditioner import CoarseSolver
+from roughbench.models.halfspace.split import SMALLEST_GRID, SplitOperator
 from roughbench.models.halfspace.threads import ThreadTeam
 from roughbench.models.halfspace.working_set import WorkingSet
+
+SPLIT_MAX_FRACTION = 1e-2
+"""Fraction of points under pressure from which on a split sum is not considered."""
 
 
 class Workspace:
@@ -38,16 +42,18 @@ class Workspace:
         self.weights = stiffness_stencil(shape, dtype)
         self._one = self.dtype.type(1)
         self.scratch = np.zeros((shape[0] + 2, shape[1] + 2), dtype)
-        # The direct sum where it may be used, and where it is used in this iteration.
-        self._available: DirectOperator | None = None
-        self.direct: DirectOperator | None = None
+        self._split: SplitOperator | None = None
+        # The sums that may be used, and the one that is used in this iteration.
+        self._sums: list[DirectOperator | SplitOperator] = []
+        self.direct: DirectOperator | SplitOperator | None = None
 
     def open(self, points: WorkingSet, direct: DirectOperator | None) -> None:
         """Start on a working set, with all its vectors but p and r zero."""
         self.points = points
         self.blocks, self.tile_blocks = self.team.split(points.rows)
-        self.coarse.open(points, dense=direct is not None)
-        self._available = direct
+        split = self._open_split(points)
+        self._sums = [one for one in (direct, split) if one is not None]
+        self.coarse.open(points, dense=bool(self._sums))
         self.choose_operator(points.n_contact)
         points.open_vectors()
         self.tiling, self.vectors = points.tiling, points.vectors
@@ -56,14 +62,29 @@ class Workspace:
         """Leave the working set with its pressures alone."""
         self.team.run(tiles.clear, self.blocks, self.points.tiling, self.scratch)
         self.points.keep_pressure()
-        self._available = self.direct = None
+        self._sums, self.direct = [], None
         del self.points, self.vectors
 
     def choose_operator(self, n_sources: int) -> None:
-        """Sum directly over this many points, or transform: whichever is cheaper."""
-        direct = self._available
-        cheaper = direct is not None and direct.is_cheaper(n_sources, self.points.tiles.size)
-        self.direct = direct if cheaper else None
+        """Sum over this many points in one way or the other, or transform: what is cheapest."""
+        least, self.direct = cost_of_transforms(self.shape), None
+        for one in self._sums:
+            cost = one.cost(n_sources, self.points.tiles.size)
+            if cost < least:
+                least, self.direct = cost, one
+
+    def _open_split(self, points: WorkingSet) -> SplitOperator | None:
+        """Return the split sum, where it is cheaper than transforms on this working set."""
+        if (
+            self.dtype != np.float32
+            or min(self.shape) < SMALLEST_GRID
+            or points.n_contact >= SPLIT_MAX_FRACTION * self.operator.field.size
+        ):
+            return None
+        if self._split is None:
+            self._split = SplitOperator(self.shape, self.team)
+        cheaper = self._split.open(points, cost_of_transforms(self.shape))
+        return self._split if cheaper else None
 
     def advance(self, alpha: float, p_length: float, r_length: float) -> list[Any]:
         """p += length·s, r += length·y; returns what :func:`.relaxation.advance` returns."""

@@ -1,4 +1,4 @@
-"""Loops between working sets and dense fields, and sums around single points."""
+"""Loops between working sets and dense fields, and counts around single points."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.models.halfspace.loops import TILE, UNSIGNED_TILE, copy_row, loop
+from roughbench.models.halfspace.loops import TILE, copy_row, loop
 
 PRESCRIBED_RATIO = 0.75
 """Of two points in a row at a free edge, where p = A√s, the outer one carries at most 1/√2 of
@@ -127,37 +127,3 @@ def count_edges(a, b, tiling, scratch, surface):
                     if here[c + 1] == 0 and _is_free(i, j, 0, 1, scratch, heights, scale):
                         free += 1.0
     return contact, free
-
-
-@loop
-def direct_sum(a, b, height, corners, sources, grid, table, image):
-    """``image`` on tiles a … b = Σ values G over the source points.
-
-    ``corners`` are the first grid rows and columns of the tiles, ``sources`` grid rows, grid
-    columns and values, ``grid`` its shape and the shift of the table: entry (k, i, j) of
-    ``table`` is G at i rows and 8k + j − shift columns from its source.
-    """
-    tops, lefts = corners
-    source_rows, source_columns, values = sources
-    n, m, shift = grid
-    size = height * TILE
-    for tile in range(a, b):
-        total = image[tile * size : (tile + 1) * size]
-        total[:] = 0
-        for source in range(values.size):
-            value = values[source]
-            column = lefts[tile] - source_columns[source] + shift
-            if column < 0:
-                column += m
-            elif column >= m:
-                column -= m
-            strip = table[column // TILE]
-            c = np.uint64(column % TILE)
-            for i in range(height):
-                offset = abs(tops[tile] + i - source_rows[source])
-                if offset >= n:
-                    offset -= n
-                row = strip[min(offset, n - offset)]
-                k = np.uint64(i * TILE)
-                for e in range(UNSIGNED_TILE):
-                    total[k + e] += value * row[c + e]
