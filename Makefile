@@ -18,7 +18,8 @@ PARALLEL := -n $(JOBS) --dist worksteal
 .PHONY: help demo units test test-all test-minimum lint smoke fig1 fig2 fig3 fig4 figures paper-fig3 \
 	paper-fig4 paper-bem study study-contenders \
 	study-fields study-size study-rolloff study-below study-hurst study-cutoff \
-	study-resolution compare compare-tamaas compare-scans outside-model preparation faults bench \
+	study-resolution compare compare-tamaas compare-scans outside-model preparation faults \
+	hard bench \
 	readme-figures dist dist-check clean distclean setup setup-dev python
 
 help: ## this list
@@ -133,6 +134,9 @@ preparation: setup ## what the preparation of a scan does to the answer, as a ta
 
 faults: setup-dev ## a campaign of kills and full disks; three quarters of an hour
 	$(BIN)/python scripts/fault_campaign.py
+
+hard: setup ## the exact solver on forty hard surfaces; counts what does not converge; ten minutes
+	$(BIN)/python scripts/hard_surfaces.py
 
 bench: setup ## the benchmarks in scripts/
 	@for script in scripts/bench_*.py; do \

@@ -83,7 +83,9 @@ class SplitOperator:
         Returns False, and is not open, where a sum over them costs ``most`` or more.
         """
         self._points = self._pairs = None  # those of the set before
-        n_tiles = points.tiles.size
+        n_tiles = self._n_pairs = points.tiles.size  # each is near itself, at least
+        if self.cost(points.n_contact, n_tiles) >= most:
+            return False
         blocks = self.team.even(n_tiles)
         start = np.zeros(n_tiles + 1, np.int64)
         none = np.empty(0, np.int32)

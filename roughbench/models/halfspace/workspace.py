@@ -51,7 +51,7 @@ class Workspace:
         """Start on a working set, with all its vectors but p and r zero."""
         self.points = points
         self.blocks, self.tile_blocks = self.team.split(points.rows)
-        split = self._open_split(points)
+        split = self._open_split(points, direct)
         self._sums = [one for one in (direct, split) if one is not None]
         self.coarse.open(points, dense=bool(self._sums))
         self.choose_operator(points.n_contact)
@@ -73,8 +73,10 @@ class Workspace:
             if cost < least:
                 least, self.direct = cost, one
 
-    def _open_split(self, points: WorkingSet) -> SplitOperator | None:
-        """Return the split sum, where it is cheaper than transforms on this working set."""
+    def _open_split(
+        self, points: WorkingSet, direct: DirectOperator | None
+    ) -> SplitOperator | None:
+        """Return the split sum, where it is what is cheapest on this working set."""
         if (
             self.dtype != np.float32
             or min(self.shape) < SMALLEST_GRID
@@ -83,8 +85,10 @@ class Workspace:
             return None
         if self._split is None:
             self._split = SplitOperator(self.shape, self.team)
-        cheaper = self._split.open(points, cost_of_transforms(self.shape))
-        return self._split if cheaper else None
+        most = cost_of_transforms(self.shape)
+        if direct is not None:
+            most = min(most, direct.cost(points.n_contact, points.tiles.size))
+        return self._split if self._split.open(points, most) else None
 
     def advance(self, alpha: float, p_length: float, r_length: float) -> list[Any]:
         """p += length·s, r += length·y; returns what :func:`.relaxation.advance` returns."""
