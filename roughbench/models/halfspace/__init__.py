@@ -24,6 +24,7 @@ from roughbench.models.halfspace.memory import needed
 from roughbench.models.halfspace.options import (
     CorrectionOption,
     PrecisionOption,
+    ScreeningOption,
     ToleranceOption,
 )
 from roughbench.models.style import Style
@@ -40,7 +41,7 @@ class HalfSpace(Model):
     sampling: ClassVar[tuple[str, ...]] = ("grid",)
     fewest_points_per_wave: ClassVar[float] = 4.0
     has_fields: ClassVar[bool] = True
-    later: ClassVar[tuple[str, ...]] = ("correction",)
+    later: ClassVar[tuple[str, ...]] = ("correction", "screening")
 
     kind: Literal["bem"] = "bem"
     grid: GridOption = Field(
@@ -53,6 +54,7 @@ class HalfSpace(Model):
     tolerance: ToleranceOption = 1e-6
     precision: PrecisionOption = "mixed"
     correction: CorrectionOption = "perimeter"
+    screening: ScreeningOption = 0.0
 
     def memory(self, n_points: int) -> int:
         """Estimate the bytes of a sample: its heights, and what the solver counts."""
@@ -92,6 +94,7 @@ class HalfSpace(Model):
             tolerance=self.tolerance,
             precision=self.precision,
             correction=self.correction,
+            screening=self.screening,
             threads=threads,
             finished=finished,
         )

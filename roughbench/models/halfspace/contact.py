@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from roughbench.inputs import real_number
 from roughbench.models.base import CompleteCurve, Status
 from roughbench.models.halfspace.options import Correction, Precision
-from roughbench.models.halfspace.problem import Problem
+from roughbench.models.halfspace.problem import Length, Problem
 from roughbench.models.halfspace.solver import Solution, Solver
 from roughbench.models.halfspace.states import solve_states
 from roughbench.models.halfspace.working_set import WorkingSet
@@ -105,13 +105,14 @@ def solve_contact(
     heights: ArrayLike,
     pressure: float,
     *,
-    length: float = 1.0,
+    length: Length = 1.0,
     modulus: float = 1.0,
     tolerance: float = 1e-6,
     precision: Precision = "mixed",
     threads: int | None = None,
     max_iterations: int = 3000,
     correction: Correction = "perimeter",
+    screening: float = 0.0,
 ) -> ContactState:
     r"""Press a hard rough wall against a periodic elastic half-space.
 
@@ -125,9 +126,9 @@ def solve_contact(
         One-dimensional heights are a line contact on a half-plane.
     pressure : float
         Nominal pressure p > 0, in the unit of ``modulus``.
-    length : float
-        Side of the periodic cell along the first axis, in the unit of the heights;
-        pixels are square.
+    length : float or (float, float)
+        Sides (y, x) of the periodic cell along both axes, in the unit of the heights; or of
+        square points that along the first axis.
     modulus : float
         Contact modulus E* > 0.
     tolerance : float
@@ -143,6 +144,9 @@ def solve_contact(
     correction : {"perimeter", "none"}
         Correct the area for the points that a grid counts too many along those edges of the
         contact that the solution finds, or not. Lines are not corrected.
+    screening : float
+        q_c ≥ 0, 1/length: the half-space with G(q) = 2/(E*√(q² + q_c²)), where waves longer
+        than 2π/q_c do not couple. G(0) stays 0, so that ū is the mean gap.
 
     Raises
     ------
@@ -164,7 +168,15 @@ def solve_contact(
     """
     nominal = real_number(pressure, "pressure")
     problem = Problem(
-        heights, length, modulus, tolerance, precision, threads, max_iterations, correction
+        heights,
+        length,
+        modulus,
+        tolerance,
+        precision,
+        threads,
+        max_iterations,
+        correction,
+        screening,
     )
     load = float(problem.loads([nominal])[0])
     solver = problem.solver
@@ -177,13 +189,14 @@ def solve_curve(
     heights: ArrayLike,
     pressures: ArrayLike,
     *,
-    length: float = 1.0,
+    length: Length = 1.0,
     modulus: float = 1.0,
     tolerance: float = 1e-6,
     precision: Precision = "mixed",
     threads: int | None = None,
     max_iterations: int = 3000,
     correction: Correction = "perimeter",
+    screening: float = 0.0,
 ) -> CompleteCurve:
     """Solve states at many pressures on the same heights, each started from its neighbour.
 
@@ -196,7 +209,8 @@ def solve_curve(
         Length.
     pressures : array_like of float, shape (k,)
         Nominal pressures p > 0 in the unit of ``modulus``, in any order.
-    length, modulus, tolerance, precision, threads, max_iterations, correction
+    length, modulus, tolerance, precision, threads, max_iterations, correction, \
+    screening
         As in :func:`solve_contact`.
 
     Returns
@@ -222,6 +236,7 @@ def solve_curve(
         threads=threads,
         max_iterations=max_iterations,
         correction=correction,
+        screening=screening,
     )
     # The states come first: they check the arguments.
     return CompleteCurve.from_states(list(states), np.array(pressures, dtype=np.float64))

@@ -6,6 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from roughbench.models.dimensional import WithUnit
+
 Precision = Literal["mixed", "double"]
 Correction = Literal["none", "perimeter"]
 
@@ -23,4 +25,15 @@ CorrectionOption = Annotated[
         description="Whether the area is corrected for the points that a grid counts too many "
         "along the free edges of the contact."
     ),
+]
+ScreeningOption = Annotated[
+    float,
+    Field(
+        ge=0.0,
+        allow_inf_nan=False,
+        description="q_c, 1/length, in G = 2/(E*√(q² + q_c²)): waves longer than 2π/q_c do not "
+        "couple; 0 is the half-space, and far above the largest wavevector of the grid every "
+        "point is a spring of its own, of k_w = E* q_c/2 (winkler).",
+    ),
+    WithUnit("wavevector"),
 ]

@@ -29,8 +29,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+from roughbench.models.halfspace.kernel import HALF_SPACE, Kernel
 from roughbench.models.halfspace.loops import TILE
-from roughbench.models.halfspace.operator import kernel_on
 from roughbench.models.halfspace.working_set import WorkingSet, tile_grid, tile_height
 from roughbench.transform import RealTransform
 
@@ -60,6 +60,7 @@ class CoarseSolver:
         Grid.
     dtype : dtype
         float32 or float64.
+    kernel : Kernel
 
     Attributes
     ----------
@@ -67,27 +68,29 @@ class CoarseSolver:
         Free points of each tile; the right-hand side f.
     """
 
-    def __init__(self, shape: tuple[int, int], dtype: DTypeLike) -> None:
+    def __init__(
+        self, shape: tuple[int, int], dtype: DTypeLike, kernel: Kernel = HALF_SPACE
+    ) -> None:
         cells = tile_grid(shape)
         self.count, self.force = np.zeros(cells, dtype), np.zeros(cells, dtype)
         self._transform = RealTransform(cells, dtype, threads=1)
         self._matrix: _CellMatrix | None = None
         self._matrix_max = math.isqrt(shape[0] * shape[1] // 16)
         self._iterations = COARSE_ITERATIONS_LINE if shape[0] == 1 else COARSE_ITERATIONS
-        self._tables((tile_height(shape), TILE), cells)
+        self._tables((tile_height(shape), TILE), cells, kernel)
 
-    def _tables(self, size: tuple[int, int], cells: tuple[int, int]) -> None:
+    def _tables(self, size: tuple[int, int], cells: tuple[int, int], kernel: Kernel) -> None:
         """Kernel between cells, and energy of n points in a cell beyond an even spread."""
         # Kernel on the lattice of cells: mean of G over two cells, as the sum over the
         # aliases of each wavevector.
-        self._kernel = averaged_kernel(cells, size)
+        self._kernel = averaged_kernel(cells, size, kernel)
         n_cells = cells[0] * cells[1]
         half = 2.0 * np.ones_like(self._kernel)
         half[:, 0] = 1.0
         if cells[1] % 2 == 0:
             half[:, -1] = 1.0
         self._self_compliance = float((half * self._kernel).sum()) / n_cells
-        near = kernel_on(size)
+        near = kernel.near(size)
         points = size[0] * size[1]
         rows, columns = np.divmod(np.arange(points), size[1])
         pair = near[np.abs(rows[:, None] - rows), np.abs(columns[:, None] - columns)]
@@ -204,7 +207,9 @@ def _dot(a: NDArray[Any], b: NDArray[Any]) -> float:
     return float(np.einsum("i,i->", a.ravel(), b.ravel()))
 
 
-def averaged_kernel(cells: tuple[int, int], size: tuple[int, int]) -> NDArray[np.float64]:
+def averaged_kernel(
+    cells: tuple[int, int], size: tuple[int, int], kernel: Kernel = HALF_SPACE
+) -> NDArray[np.float64]:
     """Half spectrum of G between cells of ``size`` points, with zero mean.
 
     In real space: the displacement averaged over one cell by a unit force spread evenly
@@ -225,9 +230,9 @@ def averaged_kernel(cells: tuple[int, int], size: tuple[int, int]) -> NDArray[np
     total = np.zeros((cells[0], cells[1] // 2 + 1))
     for i in range(size[0]):
         for j in range(size[1]):
-            q = np.hypot(qy[i][:, None], qx[j])
-            with np.errstate(divide="ignore"):
-                g = np.where(q == 0, 0.0, 2.0 / q)
-            total += g * by[i][:, None] * bx[j]
-    kernel: NDArray[np.float64] = total / (size[0] * size[1])
-    return kernel
+            q = kernel.wavenumber(qy[i][:, None], qx[j])
+            if i == j == 0:
+                q[0, 0] = math.inf
+            total += 2.0 / q * by[i][:, None] * bx[j]
+    average: NDArray[np.float64] = total / (size[0] * size[1])
+    return average

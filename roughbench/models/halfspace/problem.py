@@ -15,15 +15,26 @@ from roughbench.inputs import (
     float_array,
     positive_number,
     real_array,
+    real_number,
     whole_number,
 )
 from roughbench.models.base import Fields, FloatArray
 from roughbench.models.halfspace import memory
+from roughbench.models.halfspace.kernel import Kernel
 from roughbench.models.halfspace.options import Correction, Precision
 from roughbench.models.halfspace.solver import FLOAT32_FLOOR, Solution, Solver
 
 SMALLEST_LOAD = 1e-20
 """In E* h_rms/Δ. A single point of a grid carries its share of less; float32 does not."""
+
+LARGEST_SCREENING = 1e9
+"""q_cΔ. At 1e9 the coupling that is left is below float64's rounding by far."""
+
+LARGEST_ASPECT = 1e3
+"""Of the two spacings of a grid."""
+
+Length = float | tuple[float, float]
+"""Side of the cell along the first axis, of square points, or those along both axes."""
 
 
 class Options(TypedDict):
@@ -32,6 +43,7 @@ class Options(TypedDict):
     double: bool
     threads: int
     max_iterations: int
+    kernel: Kernel
 
 
 class Problem:
@@ -40,13 +52,14 @@ class Problem:
     def __init__(
         self,
         heights: ArrayLike,
-        length: float,
+        length: Length,
         modulus: float,
         tolerance: float,
         precision: Precision,
         threads: int | None,
         max_iterations: int,
         correction: Correction,
+        screening: float = 0.0,
     ) -> None:
         h = real_array(heights, "heights", kinds="buif")
         if h.ndim not in (1, 2) or min(h.shape, default=0) < 2:
@@ -54,7 +67,7 @@ class Problem:
                 "heights must be a line (n,) or a surface (n, m) of at least 2 points a "
                 f"side, got shape {h.shape}"
             )
-        length = positive_number(length, "length")
+        self.spacing, aspect = spacings(length, h.shape)
         modulus = positive_number(modulus, "modulus")
         tolerance = positive_number(tolerance, "tolerance")
         if tolerance > 0.1:
@@ -63,6 +76,9 @@ class Problem:
             raise SolverError(f"precision must be 'mixed' or 'double', got {precision!r}")
         if not (isinstance(correction, str) and correction in ("perimeter", "none")):
             raise SolverError(f"correction must be 'perimeter' or 'none', got {correction!r}")
+        q_c = real_number(screening, "screening")
+        if not 0.0 <= q_c < math.inf:
+            raise SolverError(f"screening must be a wavevector of at least 0, got {q_c}")
         if threads is not None:
             threads = whole_number(threads, "threads")
         max_iterations = whole_number(max_iterations, "max_iterations")
@@ -78,14 +94,20 @@ class Problem:
         check_heights(h, per_point=0)
         if h.dtype not in (np.float32, np.float64):
             h = h.astype(np.float64)
-        self.shape = h.shape
-        self.spacing = length / h.shape[0]
+        self.shape: tuple[int, ...] = h.shape
+        if q_c * self.spacing > LARGEST_SCREENING:
+            raise SolverError(
+                f"screening must be at most {LARGEST_SCREENING / self.spacing:.1e} on this "
+                f"grid ({LARGEST_SCREENING:g}/Δ), got {q_c:g}; points are independent springs "
+                "long before: see the model winkler"
+            )
         self.modulus = modulus
         self.correction: Correction = correction
         self.options = Options(
             double=precision == "double",
             threads=threads or len(os.sched_getaffinity(0)),
             max_iterations=max_iterations,
+            kernel=Kernel(aspect=aspect, screening=q_c * self.spacing),
         )
         surface = h.reshape((1, -1)) if h.ndim == 1 else h
         self.solver = Solver(surface, tolerance, **self.options)
@@ -102,9 +124,9 @@ class Problem:
         for unit in (self.pressure_unit, self.energy_unit, self.pressure_unit / rms):
             if not np.finfo(np.float64).tiny <= unit < math.inf:
                 raise SolverError(
-                    f"with a length of {length:g}, a modulus of {modulus:g} and an rms height "
-                    f"of {rms:g} the results leave the range of float64; choose units in which "
-                    "they are nearer to 1"
+                    f"with a spacing of {self.spacing:g}, a modulus of {modulus:g} and an rms "
+                    f"height of {rms:g} the results leave the range of float64; choose units "
+                    "in which they are nearer to 1"
                 )
 
     def loads(self, pressures: ArrayLike) -> NDArray[np.float64]:
@@ -128,10 +150,48 @@ class Problem:
         """Return pressure, in the unit of the modulus, and gap of a state, None for full."""
         if solution is None:
             sigma, _ = self.solver.traction_at_full_contact()
-            pressure = (sigma + load) * self.pressure_unit
+            pressure = np.asarray((sigma + load) * self.pressure_unit, np.float64)
             gap = np.zeros_like(pressure)
         else:
             pressure, gap = self.solver.dense(solution)
             pressure *= self.pressure_unit
             gap *= self.solver.rms
         return Fields(pressure.reshape(self.shape), gap.reshape(self.shape))
+
+
+def spacings(length: Length, shape: tuple[int, ...]) -> tuple[float, float]:
+    """Spacing along the first axis, and that along the second in its unit.
+
+    Parameters
+    ----------
+    length : float or (float, float)
+        Of square points the side of the cell along the first axis, else both sides.
+    shape : tuple of int
+        Of the heights.
+
+    Raises
+    ------
+    SolverError
+        If it is neither, or the points are too oblong.
+
+    Examples
+    --------
+    >>> spacings(2.0, (4, 8)), spacings((2.0, 2.0), (4, 8))
+    ((0.5, 1.0), (0.5, 0.5))
+    """
+    if not isinstance(length, tuple | list | np.ndarray) or np.ndim(length) == 0:
+        return positive_number(length, "length") / shape[0], 1.0
+    if len(shape) != 2 or len(length) != 2:
+        raise SolverError(
+            "length must be a number, or for a surface the two sides (y, x) of its cell, got "
+            f"{length!r} for heights of shape {shape}"
+        )
+    y, x = (positive_number(side, f"length[{axis}]") for axis, side in enumerate(length))
+    spacing = y / shape[0]
+    aspect = x / shape[1] / spacing
+    if not 1.0 / LARGEST_ASPECT <= aspect <= LARGEST_ASPECT:
+        raise SolverError(
+            f"length: points of {spacing:g} × {x / shape[1]:g} are too oblong; neither side "
+            f"may be more than {LARGEST_ASPECT:g} times the other"
+        )
+    return spacing, aspect

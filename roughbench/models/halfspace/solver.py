@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from roughbench.models.base import Status
 from roughbench.models.halfspace.certificate import Certificate
 from roughbench.models.halfspace.evaluation import GapEvaluator
+from roughbench.models.halfspace.kernel import HALF_SPACE, Kernel
 from roughbench.models.halfspace.loops import gap, tiles
 from roughbench.models.halfspace.operator import HalfSpaceOperator
 from roughbench.models.halfspace.options import Correction
@@ -66,8 +67,8 @@ class Solution:
 class Solver:
     """Solves states on one set of heights.
 
-    Dimensionless: lengths along the surface in grid spacings Δ, heights in their rms
-    value h_s, pressures in E* h_s/Δ, energies per area in E* h_s²/Δ.
+    Dimensionless: lengths along the surface in grid spacings Δ of the first axis, heights in
+    their rms value h_s, pressures in E* h_s/Δ, energies per area in E* h_s²/Δ.
 
     Parameters
     ----------
@@ -80,6 +81,8 @@ class Solver:
     threads : int
     max_iterations : int
         Limit on the inner iterations of one state.
+    kernel : Kernel
+        Spacings and screening.
     """
 
     def __init__(
@@ -90,8 +93,10 @@ class Solver:
         double: bool = False,
         threads: int = 1,
         max_iterations: int = 3000,
+        kernel: Kernel = HALF_SPACE,
     ) -> None:
         self.heights = heights
+        self.kernel = kernel
         self.tolerance = tolerance
         self.max_iterations = max_iterations
         self.team = ThreadTeam(threads)
@@ -103,8 +108,8 @@ class Solver:
         self._single: Workspace | None = None
         self._use_single = not double and tolerance >= FLOAT32_FLOOR
         if self._use_single:
-            self._single = Workspace(heights.shape, np.float32, self.team)
-            self.exact = HalfSpaceOperator(heights.shape, np.float64, self.team)
+            self._single = Workspace(heights.shape, np.float32, self.team, kernel)
+            self.exact = HalfSpaceOperator(heights.shape, np.float64, self.team, kernel)
         else:
             self.exact = self._workspace(double=True).operator
         self._evaluator = GapEvaluator(self._heights, self.exact)
@@ -126,7 +131,7 @@ class Solver:
         if not double and self._single is not None:
             return self._single
         if self._double is None:
-            self._double = Workspace(self.heights.shape, np.float64, self.team)
+            self._double = Workspace(self.heights.shape, np.float64, self.team, self.kernel)
         return self._double
 
     def traction_at_full_contact(self) -> tuple[NDArray[np.floating], tuple[float, float]]:
@@ -274,8 +279,10 @@ class Solver:
             raw = points.n_contact / self.size
             return raw, raw
         scratch = self._workspace(double=points.p.dtype == np.float64).scratch
-        contact, free = count_edges(points, self._heights.surface, scratch, self.team)
-        return corrected_area(contact, free) / self.size, contact / self.size
+        contact, free = count_edges(
+            points, self._heights.surface, scratch, self.team, self.kernel.aspect
+        )
+        return corrected_area(contact, free, self.kernel) / self.size, contact / self.size
 
     def dense(self, solution: Solution) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Pressure and gap of a state as float64 fields, dimensionless."""

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from roughbench.models.base import Fields, State, Status
 from roughbench.models.halfspace.options import Correction, Precision
-from roughbench.models.halfspace.problem import Problem
+from roughbench.models.halfspace.problem import Length, Problem
 from roughbench.models.halfspace.solver import Solution
 from roughbench.models.halfspace.working_set import WorkingSet
 
@@ -21,13 +21,14 @@ def solve_states(
     heights: ArrayLike,
     pressures: ArrayLike,
     *,
-    length: float = 1.0,
+    length: Length = 1.0,
     modulus: float = 1.0,
     tolerance: float = 1e-6,
     precision: Precision = "mixed",
     threads: int | None = None,
     max_iterations: int = 3000,
     correction: Correction = "perimeter",
+    screening: float = 0.0,
     finished: Mapping[str, NDArray[Any]] | None = None,
 ) -> Iterator[State]:
     """Yield the states of :func:`solve_curve` one by one, in the order of rising pressure.
@@ -35,7 +36,7 @@ def solve_states(
     Parameters
     ----------
     heights, pressures, length, modulus, tolerance, precision, threads, max_iterations, \
-    correction
+    correction, screening
         As in :func:`solve_curve`.
     finished : mapping of str to ndarray, optional
         Snapshot of a state of the same curve to go on from, to the bits it would have had.
@@ -46,7 +47,15 @@ def solve_states(
         With fields and snapshots.
     """
     problem = Problem(
-        heights, length, modulus, tolerance, precision, threads, max_iterations, correction
+        heights,
+        length,
+        modulus,
+        tolerance,
+        precision,
+        threads,
+        max_iterations,
+        correction,
+        screening,
     )
     loads, solver = problem.loads(pressures), problem.solver
     nominal = np.array(pressures, dtype=np.float64)

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from roughbench.models.halfspace.direct import DirectOperator
+from roughbench.models.halfspace.kernel import HALF_SPACE, Kernel
 from roughbench.models.halfspace.loops import relaxation, tiles
-from roughbench.models.halfspace.operator import HalfSpaceOperator, stiffness_stencil
+from roughbench.models.halfspace.operator import HalfSpaceOperator
 from roughbench.models.halfspace.preconditioner import CoarseSolver
 from roughbench.models.halfspace.threads import ThreadTeam
 from roughbench.models.halfspace.working_set import WorkingSet
@@ -25,17 +26,24 @@ class Workspace:
     dtype : dtype
         float32 or float64.
     team : ThreadTeam
+    kernel : Kernel
     """
 
     points: WorkingSet
 
-    def __init__(self, shape: tuple[int, int], dtype: DTypeLike, team: ThreadTeam) -> None:
+    def __init__(
+        self,
+        shape: tuple[int, int],
+        dtype: DTypeLike,
+        team: ThreadTeam,
+        kernel: Kernel = HALF_SPACE,
+    ) -> None:
         self.team = team
         self.dtype: np.dtype[Any] = np.dtype(dtype)
         self.shape = shape
-        self.operator = HalfSpaceOperator(shape, dtype, team)
-        self.coarse = CoarseSolver(shape, dtype)
-        self.weights = stiffness_stencil(shape, dtype)
+        self.operator = HalfSpaceOperator(shape, dtype, team, kernel)
+        self.coarse = CoarseSolver(shape, dtype, kernel)
+        self.weights = kernel.stencil(shape, dtype)
         self._one = self.dtype.type(1)
         self.scratch = np.zeros((shape[0] + 2, shape[1] + 2), dtype)
         # The direct sum where it may be used, and where it is used in this iteration.

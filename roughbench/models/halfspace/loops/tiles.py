@@ -78,7 +78,7 @@ def spread_pressure(a, b, tiling, p, scratch):
 
 
 @loop
-def _is_free(i, j, di, dj, scratch, heights, scale):
+def _is_free(i, j, di, dj, scratch, heights, scale, spacing):
     """Whether the edge between point (i, j) and (i + di, j + dj), outside, is free."""
     n, m = heights.shape
     p = scratch[i + 1, j + 1]
@@ -91,15 +91,16 @@ def _is_free(i, j, di, dj, scratch, heights, scale):
     inner = heights[(i - di) % n, (j - dj) % m]
     outer = heights[(i + di) % n, (j + dj) % m]
     bend = scale * ((h - inner) + (h - outer))
-    least = EDGE_BEND if beyond > 0 else NARROW_EDGE_BEND
+    least = spacing * (EDGE_BEND if beyond > 0 else NARROW_EDGE_BEND)
     return bend <= least * max(max(p, behind), max(sides, beyond))
 
 
 @loop
-def count_edges(a, b, tiling, scratch, surface):
+def count_edges(a, b, tiling, scratch, surface, aspect):
     """Points with p > 0, and free grid edges between these and others.
 
-    ``scratch`` holds p, with its halo. For what is free see
+    ``scratch`` holds p, with its halo; ``aspect`` is the spacing of columns over that of
+    rows. For what is free see
     :func:`roughbench.models.halfspace.perimeter.count_edges`.
     """
     height, rows, tiles = tiling
@@ -118,13 +119,17 @@ def count_edges(a, b, tiling, scratch, surface):
                     if not here[c] > 0:
                         continue
                     contact += 1.0
-                    if north[c] == 0 and _is_free(i, j, -1, 0, scratch, heights, scale):
+                    if north[c] == 0 and _is_free(i, j, -1, 0, scratch, heights, scale, 1.0):
                         free += 1.0
-                    if south[c] == 0 and _is_free(i, j, 1, 0, scratch, heights, scale):
+                    if south[c] == 0 and _is_free(i, j, 1, 0, scratch, heights, scale, 1.0):
                         free += 1.0
-                    if here[c - 1] == 0 and _is_free(i, j, 0, -1, scratch, heights, scale):
+                    if here[c - 1] == 0 and _is_free(
+                        i, j, 0, -1, scratch, heights, scale, aspect
+                    ):
                         free += 1.0
-                    if here[c + 1] == 0 and _is_free(i, j, 0, 1, scratch, heights, scale):
+                    if here[c + 1] == 0 and _is_free(
+                        i, j, 0, 1, scratch, heights, scale, aspect
+                    ):
                         free += 1.0
     return contact, free
 
