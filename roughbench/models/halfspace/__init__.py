@@ -22,6 +22,7 @@ from roughbench.models._grids import GridOption
 from roughbench.models.base import FloatArray, Model, Needs, Sample, State
 from roughbench.models.halfspace.memory import needed
 from roughbench.models.halfspace.options import (
+    BoundaryOption,
     CorrectionOption,
     PrecisionOption,
     ScreeningOption,
@@ -41,7 +42,7 @@ class HalfSpace(Model):
     sampling: ClassVar[tuple[str, ...]] = ("grid",)
     fewest_points_per_wave: ClassVar[float] = 4.0
     has_fields: ClassVar[bool] = True
-    later: ClassVar[tuple[str, ...]] = ("correction", "screening")
+    later: ClassVar[tuple[str, ...]] = ("correction", "screening", "boundary")
 
     kind: Literal["bem"] = "bem"
     grid: GridOption = Field(
@@ -55,10 +56,13 @@ class HalfSpace(Model):
     precision: PrecisionOption = "mixed"
     correction: CorrectionOption = "perimeter"
     screening: ScreeningOption = 0.0
+    boundary: BoundaryOption = "periodic"
 
     def memory(self, n_points: int) -> int:
         """Estimate the bytes of a sample: its heights, and what the solver counts."""
-        return 8 * n_points + needed(n_points, double=self.precision == "double")
+        return 8 * n_points + needed(
+            n_points, double=self.precision == "double", free=self.boundary == "free"
+        )
 
     def thriftier(self) -> Mapping[str, str]:
         """Single precision where there was double."""
@@ -95,6 +99,7 @@ class HalfSpace(Model):
             precision=self.precision,
             correction=self.correction,
             screening=self.screening,
+            boundary=self.boundary,
             threads=threads,
             finished=finished,
         )

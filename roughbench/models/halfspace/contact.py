@@ -7,9 +7,11 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from roughbench.errors import SolverError
 from roughbench.inputs import real_number
 from roughbench.models.base import CompleteCurve, Status
-from roughbench.models.halfspace.options import Correction, Precision
+from roughbench.models.halfspace.approach import solve_approach
+from roughbench.models.halfspace.options import Boundary, Correction, Precision
 from roughbench.models.halfspace.problem import Length, Problem
 from roughbench.models.halfspace.solver import Solution, Solver
 from roughbench.models.halfspace.states import solve_states
@@ -26,7 +28,10 @@ class ContactState:
     area_fraction_raw : float
         Points in contact / all points.
     mean_separation : float
-        ū, the unit of the heights.
+        ū, the unit of the heights. On a free half-space minus the approach, counted from the
+        first contact.
+    force : float
+        Σ of the pressures over the points' areas, modulus · length²; of a line per length.
     energy : float
         Elastic energy per nominal area U/A0, modulus · length.
     status : Status
@@ -49,6 +54,7 @@ class ContactState:
 
     def __init__(self, problem: Problem, solution: Solution | None, load: float) -> None:
         solver = problem.solver
+        self.force = load * problem.pressure_unit * problem.area
         self._tangent = None if solution is None else _Tangent(problem, solution.points)
         if solution is None:
             self.area_fraction = self.area_fraction_raw = 1.0
@@ -70,7 +76,10 @@ class ContactState:
         self.pressure, self.gap = fields.pressure, fields.gap
 
     def stiffness(self) -> float:
-        """K = −dp/dū at frozen contact, modulus/length; inf at full contact."""
+        """K = −dp/dū at frozen contact, modulus/length; inf at full contact.
+
+        On a free half-space dF/dδ, modulus · length, of the force and the approach.
+        """
         return math.inf if self._tangent is None else self._tangent.stiffness()
 
 
@@ -88,6 +97,7 @@ class _Tangent:
         self._tolerance = solver.tolerance
         self._options = problem.options
         self._pressure_unit, self._rms = problem.pressure_unit, solver.rms
+        self._area = problem.area if problem.free else 1.0
         self._value: float | None = None
 
     def stiffness(self) -> float:
@@ -97,16 +107,19 @@ class _Tangent:
             solver = Solver(np.zeros(*self._heights), self._tolerance, **self._options)
             # Of a copy: the tangent problem needs room beside the pressures.
             value, _ = solver.tangent(self._points.in_contact())
-            self._value = float(value * self._pressure_unit / self._rms)
+            self._value = float(value * self._pressure_unit / self._rms * self._area)
         return self._value
 
 
 def solve_contact(
     heights: ArrayLike,
-    pressure: float,
+    pressure: float | None = None,
     *,
+    separation: float | None = None,
+    force: float | None = None,
     length: Length = 1.0,
     modulus: float = 1.0,
+    boundary: Boundary = "periodic",
     tolerance: float = 1e-6,
     precision: Precision = "mixed",
     threads: int | None = None,
@@ -124,13 +137,23 @@ def solve_contact(
     heights : array_like of float, shape (n, m) or (n,)
         Heights of the wall, upwards into contact, length. Their mean is subtracted.
         One-dimensional heights are a line contact on a half-plane.
-    pressure : float
-        Nominal pressure p > 0, in the unit of ``modulus``.
+    pressure : float, optional
+        Nominal pressure p > 0, in the unit of ``modulus``: the force over the area of the
+        heights. Exactly one of pressure, separation and force is given.
+    separation : float, optional
+        With ``boundary="free"``: minus the approach, counted from the first contact, in the
+        unit of the heights; negative.
+    force : float, optional
+        F > 0, modulus · length²; of a line per length.
     length : float or (float, float)
         Sides (y, x) of the periodic cell along both axes, in the unit of the heights; or of
         square points that along the first axis.
     modulus : float
         Contact modulus E* > 0.
+    boundary : {"periodic", "free"}
+        Whether the cell repeats, or the heights given are all there is, on a half-space
+        without end. The wall then ends where the heights do, and displacements count from
+        the undeformed surface far away. Not for lines: there they grow without bound.
     tolerance : float
         Largest relative complementarity Σ|p g|/(Σp h_rms) of a converged state;
         its penetration max(−g)/h_rms may be ten times as large.
@@ -165,8 +188,22 @@ def solve_contact(
     'CONVERGED'
     >>> bool(abs(state.area_fraction_raw - 0.5) < 2e-3)
     True
+
+    A sphere on a half-space without end (Hertz, 1882): F = (4/3)E*√R δ^(3/2).
+
+    >>> x = np.linspace(-0.5, 0.5, 128)
+    >>> sphere = -(x[:, None]**2 + x**2) / (2 * 10.0)
+    >>> state = solve_contact(sphere, separation=-0.01, boundary="free")
+    >>> bool(abs(state.force / (4 / 3 * 10.0**0.5 * 0.01**1.5) - 1) < 2e-2)
+    True
     """
-    nominal = real_number(pressure, "pressure")
+    given = {"pressure": pressure, "separation": separation, "force": force}
+    given = {name: value for name, value in given.items() if value is not None}
+    if len(given) != 1:
+        raise SolverError(
+            "give exactly one of pressure, separation and force, got "
+            + (" and ".join(given) or "none of them")
+        )
     problem = Problem(
         heights,
         length,
@@ -177,7 +214,14 @@ def solve_contact(
         max_iterations,
         correction,
         screening,
+        boundary,
     )
+    if separation is not None:
+        return _at_separation(problem, real_number(separation, "separation"))
+    if pressure is None:
+        nominal = real_number(force, "force") / problem.area
+    else:
+        nominal = real_number(pressure, "pressure")
     load = float(problem.loads([nominal])[0])
     solver = problem.solver
     if load >= solver.full_load:
@@ -185,10 +229,24 @@ def solve_contact(
     return ContactState(problem, solver.solve(load, solver.cold_start(load)), load)
 
 
+def _at_separation(problem: Problem, separation: float) -> ContactState:
+    """Return the state at minus the approach."""
+    if not problem.free:
+        raise SolverError("separation needs boundary: free; on a periodic cell give pressure")
+    if not -math.inf < separation < 0.0:
+        raise SolverError(
+            "separation must be negative with boundary: free, minus the approach from the "
+            f"first contact (at 0 the bodies only touch), got {separation}"
+        )
+    solution = solve_approach(problem.solver, -separation / problem.solver.rms)
+    return ContactState(problem, solution, solution.load)
+
+
 def solve_curve(
     heights: ArrayLike,
-    pressures: ArrayLike,
+    pressures: ArrayLike | None = None,
     *,
+    forces: ArrayLike | None = None,
     length: Length = 1.0,
     modulus: float = 1.0,
     tolerance: float = 1e-6,
@@ -197,6 +255,7 @@ def solve_curve(
     max_iterations: int = 3000,
     correction: Correction = "perimeter",
     screening: float = 0.0,
+    boundary: Boundary = "periodic",
 ) -> CompleteCurve:
     """Solve states at many pressures on the same heights, each started from its neighbour.
 
@@ -207,16 +266,19 @@ def solve_curve(
     ----------
     heights : array_like of float, shape (n, m) or (n,)
         Length.
-    pressures : array_like of float, shape (k,)
+    pressures : array_like of float, shape (k,), optional
         Nominal pressures p > 0 in the unit of ``modulus``, in any order.
+    forces : array_like of float, shape (k,), optional
+        Instead of them: forces F > 0, modulus · length² (of a line per length).
     length, modulus, tolerance, precision, threads, max_iterations, correction, \
-    screening
+    screening, boundary
         As in :func:`solve_contact`.
 
     Returns
     -------
     Curve
-        In the order of ``pressures``; stiffness in modulus/length, energy U/A0 in
+        In the order of ``pressures``, which are the forces over the area of the heights;
+        stiffness in modulus/length, energy U/A0 in
         modulus · length. Diagnostics: complementarity, penetration, load_error,
         iterations, transform_pairs.
 
@@ -229,6 +291,7 @@ def solve_curve(
     states = solve_states(
         heights,
         pressures,
+        forces=forces,
         length=length,
         modulus=modulus,
         tolerance=tolerance,
@@ -237,6 +300,11 @@ def solve_curve(
         max_iterations=max_iterations,
         correction=correction,
         screening=screening,
+        boundary=boundary,
     )
     # The states come first: they check the arguments.
-    return CompleteCurve.from_states(list(states), np.array(pressures, dtype=np.float64))
+    solved = list(states)
+    wanted = np.array(forces if pressures is None else pressures, dtype=np.float64)
+    nominal = np.empty(wanted.size)
+    nominal[np.argsort(wanted, kind="stable")] = [state.pressure for state in solved]
+    return CompleteCurve.from_states(solved, nominal)

@@ -65,6 +65,8 @@ class GapEvaluator:
         self.team = operator.team
         self.shape = operator.field.shape
         self.size = operator.field.size
+        # Without a period ū is minus the approach, counted from the first contact.
+        self.depth = heights.depth if operator.periodic else 0.0
         self._direct: DirectOperator | None = None
 
     def evaluate(self, points: WorkingSet) -> Evaluation:
@@ -122,6 +124,8 @@ class GapEvaluator:
     def direct_for(self, points: WorkingSet) -> DirectOperator | None:
         """Return the direct sum, where it is cheaper than transforms on this working set."""
         n_sources = points.n_contact
+        if not self.operator.periodic:
+            return None
         if n_sources >= DIRECT_SUM_MAX_FRACTION * self.size:
             self._direct = None  # its tables are not needed any more
             return None
@@ -132,8 +136,8 @@ class GapEvaluator:
     def _evaluate_by_transforms(self, points: WorkingSet) -> Evaluation:
         alpha, energy, sum_p = self.displace(points)
         marked, sum_p_gap, lowest_gap = self.mark(points, alpha)
-        separation = self.heights.depth - alpha
-        if separation < SMALL_GAP:
+        separation = self.depth - alpha
+        if separation < SMALL_GAP and self.operator.periodic:
             blocks, _ = self.team.split(points.rows)
             (total,) = self.team.sum(
                 gap.open_gap,
@@ -204,5 +208,5 @@ class GapEvaluator:
             return np.minimum(g + more * u, NEVER_FREE).reshape(-1, size)
 
         energy = float((p * u).sum()) / (2 * self.size)
-        separation = self.heights.depth - alpha
+        separation = self.depth - alpha
         return Evaluation(alpha, separation, energy, sum_p, sum_p_gap, lowest_gap, make)

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-FloatArray = NDArray[np.float64]
+from roughbench.models.halfspace.love import FloatArray, love_influence
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,10 +32,13 @@ class Kernel:
         Spacing along the second axis, in Δ.
     screening : float
         q_c Δ.
+    free : bool
+        Whether the half-space is not periodic: G(r) = 1/(πE*r), averaged over one point.
     """
 
     aspect: float = 1.0
     screening: float = 0.0
+    free: bool = False
 
     def wavenumber(self, qy: FloatArray, qx: FloatArray) -> FloatArray:
         """√(q² + q_c²), with qx in radians per point of the second axis."""
@@ -46,8 +49,10 @@ class Kernel:
         """G in real space, for offsets 0 … size − 1 along each axis; shape ``size``.
 
         Taken from a periodic grid of 256 points per side (a line: 4096); its zero mean
-        shifts all values by the same small constant.
+        shifts all values by the same small constant. That of a free half-space is exact.
         """
+        if self.free:
+            return love_influence(size, self.aspect)
         if size[0] == 1:
             q = self.wavenumber(np.zeros(1)[:, None], _waves(4096))
         else:
@@ -67,10 +72,20 @@ class Kernel:
             line = np.fft.ifft(q / 2).real
             weights = [line[0], line[1], 0.0, 0.0]
         else:
-            q = self.wavenumber(_waves(256)[:, None], _waves(256))
-            cell = np.fft.ifft2(q / 2).real
+            if self.free:
+                stiffness = 1.0 / self._spectrum((256, 256))
+                stiffness[0, 0] = 0.0
+            else:
+                stiffness = self.wavenumber(_waves(256)[:, None], _waves(256)) / 2
+            cell = np.fft.ifft2(stiffness).real
             weights = [cell[0, 0], cell[0, 1], cell[1, 0], cell[1, 1]]
         return np.array(weights, dtype=dtype)
+
+    def _spectrum(self, period: tuple[int, int]) -> FloatArray:
+        """G of a free half-space on a periodic grid of even size, up to half of it."""
+        rows, columns = (np.minimum(np.arange(n), n - np.arange(n)) for n in period)
+        near = self.near((period[0] // 2 + 1, period[1] // 2 + 1))
+        return np.asarray(np.fft.fft2(near[np.ix_(rows, columns)]).real, np.float64)
 
 
 HALF_SPACE = Kernel()

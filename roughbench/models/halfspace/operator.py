@@ -36,6 +36,8 @@ class HalfSpaceOperator:
         Spacings and screening.
     """
 
+    periodic = True
+
     def __init__(
         self,
         shape: tuple[int, int],

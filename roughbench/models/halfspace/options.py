@@ -10,6 +10,7 @@ from roughbench.models.dimensional import WithUnit
 
 Precision = Literal["mixed", "double"]
 Correction = Literal["none", "perimeter"]
+Boundary = Literal["periodic", "free"]
 
 ToleranceOption = Annotated[
     float,
@@ -36,4 +37,12 @@ ScreeningOption = Annotated[
         "point is a spring of its own, of k_w = E* q_c/2 (winkler).",
     ),
     WithUnit("wavevector"),
+]
+BoundaryOption = Annotated[
+    Boundary,
+    Field(
+        description="periodic, or free: the given heights alone on a half-space without end. "
+        "Then the pressure is the force over their nominal area, and the separation is minus "
+        "the approach, counted from the first contact.",
+    ),
 ]

@@ -53,7 +53,7 @@ def count_edges(
     surface: tuple[NDArray[np.floating], float, float],
     scratch: NDArray[np.floating],
     team: ThreadTeam,
-    aspect: float = 1.0,
+    kernel: Kernel = HALF_SPACE,
 ) -> tuple[float, float]:
     r"""Points in contact, and grid edges around it that the solution has found.
 
@@ -77,14 +77,18 @@ def count_edges(
         Heights, with any mean, and their scale 1/h_s, for the loops.
     scratch : ndarray
         Zero, with a halo of one point around the grid; zero again afterwards.
-    aspect : float
-        Spacing along the second axis over that along the first; Δ is the one across the edge.
+    kernel : Kernel
+        Spacings: Δ is the one across the edge. At the border of a grid that is not periodic
+        the heights end, and the edge is prescribed.
     """
     blocks, _ = team.split(points.rows)
     team.run(tiles.spread_pressure, blocks, points.tiling, points.p, scratch)
-    tiles.wrap_halo(scratch)
+    if not kernel.free:
+        tiles.wrap_halo(scratch)
     n_contact, n_free = team.sum(
-        tiles.count_edges, blocks, points.tiling, scratch, surface, aspect
+        tiles.count_edges,
+        blocks,
+        *(points.tiling, scratch, surface, kernel.aspect, kernel.free),
     )
     team.run(tiles.clear, blocks, points.tiling, scratch)
     return float(n_contact), float(n_free)

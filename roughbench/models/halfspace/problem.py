@@ -21,7 +21,7 @@ from roughbench.inputs import (
 from roughbench.models.base import Fields, FloatArray
 from roughbench.models.halfspace import memory
 from roughbench.models.halfspace.kernel import Kernel
-from roughbench.models.halfspace.options import Correction, Precision
+from roughbench.models.halfspace.options import Boundary, Correction, Precision
 from roughbench.models.halfspace.solver import FLOAT32_FLOOR, Solution, Solver
 
 SMALLEST_LOAD = 1e-20
@@ -44,6 +44,7 @@ class Options(TypedDict):
     threads: int
     max_iterations: int
     kernel: Kernel
+    flat: float
 
 
 class Problem:
@@ -60,6 +61,7 @@ class Problem:
         max_iterations: int,
         correction: Correction,
         screening: float = 0.0,
+        boundary: Boundary = "periodic",
     ) -> None:
         h = real_array(heights, "heights", kinds="buif")
         if h.ndim not in (1, 2) or min(h.shape, default=0) < 2:
@@ -79,6 +81,17 @@ class Problem:
         q_c = real_number(screening, "screening")
         if not 0.0 <= q_c < math.inf:
             raise SolverError(f"screening must be a wavevector of at least 0, got {q_c}")
+        if not (isinstance(boundary, str) and boundary in ("periodic", "free")):
+            raise SolverError(f"boundary must be 'periodic' or 'free', got {boundary!r}")
+        free = boundary == "free"
+        if free and h.ndim == 1:
+            raise SolverError(
+                "boundary: a line needs the periodic one; the displacement of a half-plane "
+                "by a line of force grows like the logarithm of the distance, so that without "
+                "a period there is no approach"
+            )
+        if free and q_c > 0.0:
+            raise SolverError(f"screening needs boundary: periodic, got {q_c:g} with free")
         if threads is not None:
             threads = whole_number(threads, "threads")
         max_iterations = whole_number(max_iterations, "max_iterations")
@@ -90,6 +103,7 @@ class Problem:
             double=bool(reasons),
             instead=" with ".join(reasons),
             converted=h.dtype not in (np.float32, np.float64),
+            free=free,
         )
         check_heights(h, per_point=0)
         if h.dtype not in (np.float32, np.float64):
@@ -107,10 +121,15 @@ class Problem:
             double=precision == "double",
             threads=threads or len(os.sched_getaffinity(0)),
             max_iterations=max_iterations,
-            kernel=Kernel(aspect=aspect, screening=q_c * self.spacing),
+            kernel=Kernel(aspect=aspect, screening=q_c * self.spacing, free=free),
+            # A flat punch goes in by less than its side.
+            flat=self.spacing * h.shape[0] if free else 0.0,
         )
         surface = h.reshape((1, -1)) if h.ndim == 1 else h
         self.solver = Solver(surface, tolerance, **self.options)
+        # Σ of the areas of all points; of a line its length.
+        self.area = self.spacing**h.ndim * h.size * aspect
+        self.free = free
         rms = self.solver.rms
         if not (rms == 0.0 or 1e-152 < rms < 1e152) or (rms == 0.0 and np.ptp(h) > 0):
             raise SolverError(

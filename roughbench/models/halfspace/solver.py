@@ -26,9 +26,9 @@ from numpy.typing import NDArray
 from roughbench.models.base import Status
 from roughbench.models.halfspace.certificate import Certificate
 from roughbench.models.halfspace.evaluation import GapEvaluator
+from roughbench.models.halfspace.free import make_operator
 from roughbench.models.halfspace.kernel import HALF_SPACE, Kernel
 from roughbench.models.halfspace.loops import gap, tiles
-from roughbench.models.halfspace.operator import HalfSpaceOperator
 from roughbench.models.halfspace.options import Correction
 from roughbench.models.halfspace.perimeter import corrected_area, count_edges
 from roughbench.models.halfspace.relaxation import minimise
@@ -82,7 +82,9 @@ class Solver:
     max_iterations : int
         Limit on the inner iterations of one state.
     kernel : Kernel
-        Spacings and screening.
+        Spacings, screening and boundary.
+    flat : float
+        The unit of heights that are flat, for which there is no rms value.
     """
 
     def __init__(
@@ -94,6 +96,7 @@ class Solver:
         threads: int = 1,
         max_iterations: int = 3000,
         kernel: Kernel = HALF_SPACE,
+        flat: float = 0.0,
     ) -> None:
         self.heights = heights
         self.kernel = kernel
@@ -101,7 +104,7 @@ class Solver:
         self.max_iterations = max_iterations
         self.team = ThreadTeam(threads)
         self.size = heights.size
-        self._heights = ScaledHeights(heights, self.team)
+        self._heights = ScaledHeights(heights, self.team, flat)
         self.rms = self._heights.rms
         self._even = self.team.even(heights.shape[0])
         self._double: Workspace | None = None
@@ -109,14 +112,17 @@ class Solver:
         self._use_single = not double and tolerance >= FLOAT32_FLOOR
         if self._use_single:
             self._single = Workspace(heights.shape, np.float32, self.team, kernel)
-            self.exact = HalfSpaceOperator(heights.shape, np.float64, self.team, kernel)
+            self.exact = make_operator(heights.shape, np.float64, self.team, kernel)
         else:
             self.exact = self._workspace(double=True).operator
         self._evaluator = GapEvaluator(self._heights, self.exact)
         self._full_gap: tuple[float, ...] | None = None
-        # Contact is exactly full from p̄ = −min σ_fc on.
-        _, (lowest, self.full_energy) = self.traction_at_full_contact()
-        self.full_load = -lowest
+        # Contact is exactly full from p̄ = −min σ_fc on. On a free half-space it is full
+        # where all points carry, with a pressure that no closed form knows.
+        self.full_load = math.inf
+        if not kernel.free:
+            _, (lowest, self.full_energy) = self.traction_at_full_contact()
+            self.full_load = -lowest
 
     @property
     def pairs(self) -> int:
@@ -174,10 +180,20 @@ class Solver:
     def cold_start(self, load: float) -> WorkingSet:
         """Pressure of independent springs k max(h − d, 0) at this load, k = U_full/M_0.
 
-        That modulus, ½E*M_1/M_0, gives the springs the elastic energy of full contact.
+        That modulus, ½E*M_1/M_0, gives the springs the elastic energy of full contact. On a
+        free half-space it is estimated.
         """
         dtype = self._workspace(double=False).dtype
-        return cold_start(self._evaluator, load, 2.0 * self.full_energy, dtype)
+        free = self.kernel.free
+        modulus = self._heights.spring_modulus if free else 2.0 * self.full_energy
+        return cold_start(self._evaluator, load, modulus, dtype)
+
+    def spring_load(self, approach: float) -> float:
+        """Load of the springs of :meth:`cold_start` on a free half-space at this approach."""
+        overlap, _ = self.team.sum(
+            gap.overlap_sums, self._even, self._heights.surface, -approach
+        )
+        return float(overlap) * self._heights.spring_modulus / self.size
 
     def predict(
         self, solved: float, points: WorkingSet, rate: NDArray[np.floating], load: float
@@ -218,13 +234,13 @@ class Solver:
                 break
             converged = certificate.holds(self.tolerance)
             aim = self.tolerance * certificate.scale
-            if converged:
+            if converged and self.exact.periodic:
                 # Near full contact the whole gap is smaller than the tolerance: aim at
                 # 1 % of its mean, so that stiffness and area mean something there.
                 aim = min(aim, max(0.01 * state.separation, AIM_FLOOR))
-                if certificate.error <= aim:
-                    status = Status.CONVERGED
-                    break
+            if converged and certificate.error <= aim:
+                status = Status.CONVERGED
+                break
             if iterations >= self.max_iterations:
                 status = Status.CONVERGED if converged else Status.MAX_ITERATIONS
                 break
@@ -261,8 +277,11 @@ class Solver:
         )
 
     def tangent(self, points: WorkingSet) -> tuple[float, NDArray[np.floating]]:
-        """Stiffness −dp̄/dū at frozen contact, and ∂p/∂p̄ on the points."""
-        if points.n_contact == self.size:
+        """Stiffness −dp̄/dū at frozen contact, and ∂p/∂p̄ on the points.
+
+        On a free half-space that is dp̄/dδ.
+        """
+        if points.n_contact == self.size and self.exact.periodic:
             return math.inf, np.ones_like(points.p)
         workspace = self._workspace(double=points.p.dtype == np.float64)
         compliance, rate, _ = tangent(
@@ -280,7 +299,7 @@ class Solver:
             return raw, raw
         scratch = self._workspace(double=points.p.dtype == np.float64).scratch
         contact, free = count_edges(
-            points, self._heights.surface, scratch, self.team, self.kernel.aspect
+            points, self._heights.surface, scratch, self.team, self.kernel
         )
         return corrected_area(contact, free, self.kernel) / self.size, contact / self.size
 

@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roughbench.errors import SolverError
+from roughbench.inputs import float_array
 from roughbench.models.base import Fields, State, Status
-from roughbench.models.halfspace.options import Correction, Precision
+from roughbench.models.halfspace.options import Boundary, Correction, Precision
 from roughbench.models.halfspace.problem import Length, Problem
 from roughbench.models.halfspace.solver import Solution
 from roughbench.models.halfspace.working_set import WorkingSet
@@ -19,8 +21,9 @@ from roughbench.models.halfspace.working_set import WorkingSet
 
 def solve_states(
     heights: ArrayLike,
-    pressures: ArrayLike,
+    pressures: ArrayLike | None = None,
     *,
+    forces: ArrayLike | None = None,
     length: Length = 1.0,
     modulus: float = 1.0,
     tolerance: float = 1e-6,
@@ -29,14 +32,15 @@ def solve_states(
     max_iterations: int = 3000,
     correction: Correction = "perimeter",
     screening: float = 0.0,
+    boundary: Boundary = "periodic",
     finished: Mapping[str, NDArray[Any]] | None = None,
 ) -> Iterator[State]:
     """Yield the states of :func:`solve_curve` one by one, in the order of rising pressure.
 
     Parameters
     ----------
-    heights, pressures, length, modulus, tolerance, precision, threads, max_iterations, \
-    correction, screening
+    heights, pressures, forces, length, modulus, tolerance, precision, threads, \
+    max_iterations, correction, screening, boundary
         As in :func:`solve_curve`.
     finished : mapping of str to ndarray, optional
         Snapshot of a state of the same curve to go on from, to the bits it would have had.
@@ -56,7 +60,12 @@ def solve_states(
         max_iterations,
         correction,
         screening,
+        boundary,
     )
+    if (pressures is None) == (forces is None):
+        raise SolverError("give exactly one of pressures and forces")
+    if pressures is None:
+        pressures = float_array(forces, "forces") / problem.area  # type: ignore[arg-type]
     loads, solver = problem.loads(pressures), problem.solver
     nominal = np.array(pressures, dtype=np.float64)
     latest = _Latest(problem) if finished is None else _Latest.since(problem, finished)

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from roughbench.models.halfspace.direct import DirectOperator
+from roughbench.models.halfspace.free import make_operator
 from roughbench.models.halfspace.kernel import HALF_SPACE, Kernel
 from roughbench.models.halfspace.loops import relaxation, tiles
-from roughbench.models.halfspace.operator import HalfSpaceOperator
 from roughbench.models.halfspace.preconditioner import CoarseSolver
 from roughbench.models.halfspace.threads import ThreadTeam
 from roughbench.models.halfspace.working_set import WorkingSet
@@ -41,7 +41,7 @@ class Workspace:
         self.team = team
         self.dtype: np.dtype[Any] = np.dtype(dtype)
         self.shape = shape
-        self.operator = HalfSpaceOperator(shape, dtype, team, kernel)
+        self.operator = make_operator(shape, dtype, team, kernel)
         self.coarse = CoarseSolver(shape, dtype, kernel)
         self.weights = kernel.stencil(shape, dtype)
         self._one = self.dtype.type(1)
@@ -85,7 +85,8 @@ class Workspace:
 
     def precondition(self, alpha: float) -> NDArray[np.float64]:
         """s = M ρ on free points; returns the sums of :func:`.relaxation.precondition`."""
-        tiles.wrap_halo(self.scratch)
+        if self.operator.periodic:
+            tiles.wrap_halo(self.scratch)
         cells = self.coarse.count, self.coarse.solve()
         return self.team.sum(
             relaxation.precondition,

@@ -65,8 +65,7 @@ def test_without_it_the_states_are_those_of_the_half_space(rough: Rough) -> None
     heights = rough(64)
     cases: list[dict[str, Any]] = [{}, {"screening": 0.0}, {"screening": 1e-3}]
     plain, none, little = (
-        solve_contact(heights, 1e-2, length=CELL, threads=1, **options)
-        for options in cases
+        solve_contact(heights, 1e-2, length=CELL, threads=1, **options) for options in cases
     )
     assert none.pressure.tobytes() == plain.pressure.tobytes()
     assert none.area_fraction == plain.area_fraction

@@ -24,6 +24,17 @@ def multiply_by_kernel(a, b, spectral, qy_squared, qx_squared, factor, exponent)
 
 
 @loop
+def multiply_by_even_table(spectral, table, first):
+    """Multiply columns of a spectrum by ``table``, rows past its end by its mirror image."""
+    n = spectral.shape[0]
+    for i in range(n):
+        row = spectral[i]
+        factors = table[i if i < table.shape[0] else n - i]
+        for j in range(row.shape[0]):
+            row[j] *= factors[first + j]
+
+
+@loop
 def traction_at_full_contact(a, b, field, surface):
     """Lowest value of the traction in ``field``, and its product sum with the heights."""
     heights, scale, datum = surface

@@ -78,14 +78,18 @@ def spread_pressure(a, b, tiling, p, scratch):
 
 
 @loop
-def _is_free(i, j, di, dj, scratch, heights, scale, spacing):
+def _is_free(i, j, di, dj, scratch, heights, scale, spacing, ends):
     """Whether the edge between point (i, j) and (i + di, j + dj), outside, is free."""
     n, m = heights.shape
+    if ends and not (0 <= i + di < n and 0 <= j + dj < m):
+        return False
     p = scratch[i + 1, j + 1]
     behind = scratch[i + 1 - di, j + 1 - dj]
     if not (behind > 0 and p > PRESCRIBED_RATIO * behind):
         return True
     beyond = scratch[(i - 2 * di) % n + 1, (j - 2 * dj) % m + 1]
+    if ends and not (0 <= i - 2 * di < n and 0 <= j - 2 * dj < m):
+        beyond = scratch[0, 0]  # nothing
     sides = max(scratch[i + 1 - dj, j + 1 - di], scratch[i + 1 + dj, j + 1 + di])
     h = np.float64(heights[i, j])
     inner = heights[(i - di) % n, (j - dj) % m]
@@ -96,11 +100,11 @@ def _is_free(i, j, di, dj, scratch, heights, scale, spacing):
 
 
 @loop
-def count_edges(a, b, tiling, scratch, surface, aspect):
+def count_edges(a, b, tiling, scratch, surface, aspect, ends):
     """Points with p > 0, and free grid edges between these and others.
 
     ``scratch`` holds p, with its halo; ``aspect`` is the spacing of columns over that of
-    rows. For what is free see
+    rows, and ``ends`` whether nothing lies beyond the grid. For what is free see
     :func:`roughbench.models.halfspace.perimeter.count_edges`.
     """
     height, rows, tiles = tiling
@@ -119,16 +123,20 @@ def count_edges(a, b, tiling, scratch, surface, aspect):
                     if not here[c] > 0:
                         continue
                     contact += 1.0
-                    if north[c] == 0 and _is_free(i, j, -1, 0, scratch, heights, scale, 1.0):
+                    if north[c] == 0 and _is_free(
+                        i, j, -1, 0, scratch, heights, scale, 1.0, ends
+                    ):
                         free += 1.0
-                    if south[c] == 0 and _is_free(i, j, 1, 0, scratch, heights, scale, 1.0):
+                    if south[c] == 0 and _is_free(
+                        i, j, 1, 0, scratch, heights, scale, 1.0, ends
+                    ):
                         free += 1.0
                     if here[c - 1] == 0 and _is_free(
-                        i, j, 0, -1, scratch, heights, scale, aspect
+                        i, j, 0, -1, scratch, heights, scale, aspect, ends
                     ):
                         free += 1.0
                     if here[c + 1] == 0 and _is_free(
-                        i, j, 0, 1, scratch, heights, scale, aspect
+                        i, j, 0, 1, scratch, heights, scale, aspect, ends
                     ):
                         free += 1.0
     return contact, free
