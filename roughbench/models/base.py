@@ -29,6 +29,7 @@ from pydantic import (
 
 from roughbench.errors import SolverError
 from roughbench.inputs import BYTES_PER_POINT
+from roughbench.models.dimensional import dimension_of
 from roughbench.models.style import Style
 from roughbench.spectrum import Spectrum
 from roughbench.surface import Undersampled, check_grid, highest_mode
@@ -314,6 +315,11 @@ class Model(BaseModel, ABC):
         """What happens to waves of a line that its points are too few for."""
         return "error"
 
+    @property
+    def highest_pressure(self) -> float | None:
+        """Largest nominal pressure that can be carried, in the spec's unit; None for any."""
+        return None
+
     points_per_wave: ClassVar[int] = 4
     """Points on the shortest wavelength where no option says how many points there are."""
 
@@ -349,6 +355,24 @@ class Model(BaseModel, ABC):
             if getattr(self, name) == type(self).model_fields[name].default:
                 values.pop(name, None)
         return values
+
+    def reduced(self, modulus: float | None) -> Self:
+        """Return this model with options that are pressures in E*, as samples and states are.
+
+        Parameters
+        ----------
+        modulus : float or None
+            E* in the unit of the options; None where they are p/E* already.
+        """
+        fields = type(self).model_fields.items()
+        given = {
+            name: value
+            for name, field in fields
+            if dimension_of(field) == "pressure" and (value := getattr(self, name)) is not None
+        }
+        if modulus is None or not given:
+            return self
+        return self.model_copy(update={k: value / modulus for k, value in given.items()})
 
     @property
     def name(self) -> str:

@@ -234,7 +234,7 @@ def plan(spec: Spec) -> list[Cell]:
     return [
         Cell(
             experiment=experiment,
-            model=model,
+            model=model.reduced(variant.modulus),
             surface=variant.surface,
             pressures=variant.pressures,
             n_realizations=_realizations(variant, model, heights),

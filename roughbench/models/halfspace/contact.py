@@ -33,11 +33,14 @@ class ContactState:
         ``CONVERGED`` only if the certificate holds for the tolerance.
     certificate : Certificate
         Complementarity, penetration and load error, recomputed in float64.
+    plastic_depth : float
+        Mean of −gap over plastic points, per point of the grid, length; 0 without a hardness.
+        The mean gap that is left is ``mean_separation + plastic_depth``.
     pressure : ndarray of float64
         Contact pressure, shape of the heights, unit of the modulus.
     gap : ndarray of float64
         Local separation, shape of the heights, length; in contact it is zero up to the
-        certificate.
+        certificate, and at plastic points negative: so far the material has given way.
     iterations, transform_pairs : int
         Work that the state took.
 
@@ -49,7 +52,10 @@ class ContactState:
 
     def __init__(self, problem: Problem, solution: Solution | None, load: float) -> None:
         solver = problem.solver
-        self._tangent = None if solution is None else _Tangent(problem, solution.points)
+        self._tangent = (
+            None if solution is None else _Tangent(problem, solver.elastic(solution.points))
+        )
+        self.plastic_depth = 0.0 if solution is None else solution.plastic_depth * solver.rms
         if solution is None:
             self.area_fraction = self.area_fraction_raw = 1.0
             self.mean_separation = 0.0
@@ -94,7 +100,8 @@ class _Tangent:
         """K, modulus/length; computed once."""
         if self._value is None:
             # With the contact frozen the heights do not matter: flat ones will do.
-            solver = Solver(np.zeros(*self._heights), self._tolerance, **self._options)
+            options = self._options | {"hardness": None}  # plastic points are left out
+            solver = Solver(np.zeros(*self._heights), self._tolerance, **options)
             # Of a copy: the tangent problem needs room beside the pressures.
             value, _ = solver.tangent(self._points.in_contact())
             self._value = float(value * self._pressure_unit / self._rms)
@@ -112,6 +119,7 @@ def solve_contact(
     threads: int | None = None,
     max_iterations: int = 3000,
     correction: Correction = "perimeter",
+    hardness: float | None = None,
 ) -> ContactState:
     r"""Press a hard rough wall against a periodic elastic half-space.
 
@@ -143,6 +151,10 @@ def solve_contact(
     correction : {"perimeter", "none"}
         Correct the area for the points that a grid counts too many along those edges of the
         contact that the solution finds, or not. Lines are not corrected.
+    hardness : float, optional
+        Upper bound H ≥ p̄ on the pressure, in the unit of ``modulus``: elastic and perfectly
+        plastic (Almqvist et al., 2007). Where p = H the gap is zero or negative. ``energy``
+        is the elastic part, K is at points that go on to carry H.
 
     Raises
     ------
@@ -164,11 +176,12 @@ def solve_contact(
     """
     nominal = real_number(pressure, "pressure")
     problem = Problem(
-        heights, length, modulus, tolerance, precision, threads, max_iterations, correction
+        *(heights, length, modulus, tolerance, precision, threads, max_iterations),
+        *(correction, hardness),
     )
     load = float(problem.loads([nominal])[0])
     solver = problem.solver
-    if load >= solver.full_load:
+    if solver.is_full(load):
         return ContactState(problem, None, load)
     return ContactState(problem, solver.solve(load, solver.cold_start(load)), load)
 
@@ -184,6 +197,7 @@ def solve_curve(
     threads: int | None = None,
     max_iterations: int = 3000,
     correction: Correction = "perimeter",
+    hardness: float | None = None,
 ) -> CompleteCurve:
     """Solve states at many pressures on the same heights, each started from its neighbour.
 
@@ -196,7 +210,7 @@ def solve_curve(
         Length.
     pressures : array_like of float, shape (k,)
         Nominal pressures p > 0 in the unit of ``modulus``, in any order.
-    length, modulus, tolerance, precision, threads, max_iterations, correction
+    length, modulus, tolerance, precision, threads, max_iterations, correction, hardness
         As in :func:`solve_contact`.
 
     Returns
@@ -204,7 +218,7 @@ def solve_curve(
     Curve
         In the order of ``pressures``; stiffness in modulus/length, energy U/A0 in
         modulus · length. Diagnostics: complementarity, penetration, load_error,
-        iterations, transform_pairs.
+        iterations, transform_pairs; with a hardness plastic_depth.
 
     Raises
     ------
@@ -222,6 +236,7 @@ def solve_curve(
         threads=threads,
         max_iterations=max_iterations,
         correction=correction,
+        hardness=hardness,
     )
     # The states come first: they check the arguments.
     return CompleteCurve.from_states(list(states), np.array(pressures, dtype=np.float64))

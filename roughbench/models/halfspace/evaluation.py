@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -33,11 +34,15 @@ class Evaluation:
     sum_p, sum_p_gap : float
         Σp and Σp|g|.
     lowest_gap : float
-        The most negative gap of all points.
+        The most negative gap of all points; of those below the hardness where there is one.
     make_working_set : callable
         Makes the next working set, of a precision and a load Σp: tiles with pressure or
         negative gap, p copied and r = gap. In float64, p and u are scaled to that load,
         which float32 holds to 1e-7 only: steps that had to mend it would not descend.
+    open_gap : float
+        Mean gap without the depths of plastic points; without a hardness the mean gap.
+    plastic_depth : float
+        Mean of −g over plastic points, per point of the grid.
     """
 
     alpha: float
@@ -47,6 +52,12 @@ class Evaluation:
     sum_p_gap: float
     lowest_gap: float
     make_working_set: Callable[[DTypeLike, float], WorkingSet]
+    open_gap: float = math.nan
+    plastic_depth: float = 0.0
+
+    def __post_init__(self) -> None:
+        if math.isnan(self.open_gap):
+            self.open_gap = self.separation
 
 
 class GapEvaluator:

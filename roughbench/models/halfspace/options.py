@@ -6,6 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from roughbench.models.dimensional import PressureOption
+
 Precision = Literal["mixed", "double"]
 Correction = Literal["none", "perimeter"]
 
@@ -22,5 +24,12 @@ CorrectionOption = Annotated[
     Field(
         description="Whether the area is corrected for the points that a grid counts too many "
         "along the free edges of the contact."
+    ),
+]
+HardnessOption = Annotated[
+    PressureOption | None,
+    Field(
+        description="Largest pressure that the material bears, p/E*: elastic and perfectly "
+        "plastic; default: none."
     ),
 ]

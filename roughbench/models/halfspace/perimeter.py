@@ -29,6 +29,7 @@ def count_edges(
     surface: tuple[NDArray[np.floating], float, float],
     scratch: NDArray[np.floating],
     team: ThreadTeam,
+    hardness: float | None = None,
 ) -> tuple[float, float]:
     r"""Points in contact, and grid edges around it that the solution has found.
 
@@ -42,7 +43,8 @@ def count_edges(
     with the largest pressure of the point, its neighbours and the next point behind.
     A contact two points wide has no next one: c is ``EDGE_BEND``,
     there ``NARROW_EDGE_BEND``.
-    A single point tells nothing; its edges are free.
+    A single point tells nothing; its edges are free. Edges of plastic points count as
+    prescribed: the pressure does not vanish there.
 
     Parameters
     ----------
@@ -52,10 +54,15 @@ def count_edges(
         Heights, with any mean, and their scale 1/h_s, for the loops.
     scratch : ndarray
         Zero, with a halo of one point around the grid; zero again afterwards.
+    hardness : float, optional
+        Pressure of plastic points.
     """
     blocks, _ = team.split(points.rows)
     team.run(tiles.spread_pressure, blocks, points.tiling, points.p, scratch)
     tiles.wrap_halo(scratch)
-    n_contact, n_free = team.sum(tiles.count_edges, blocks, points.tiling, scratch, surface)
+    plastic = scratch.dtype.type(math.inf if hardness is None else hardness)
+    n_contact, n_free = team.sum(
+        tiles.count_edges, blocks, points.tiling, scratch, surface, plastic
+    )
     team.run(tiles.clear, blocks, points.tiling, scratch)
     return float(n_contact), float(n_free)

@@ -32,6 +32,7 @@ class Options(TypedDict):
     double: bool
     threads: int
     max_iterations: int
+    hardness: float | None
 
 
 class Problem:
@@ -47,6 +48,7 @@ class Problem:
         threads: int | None,
         max_iterations: int,
         correction: Correction,
+        hardness: float | None = None,
     ) -> None:
         h = real_array(heights, "heights", kinds="buif")
         if h.ndim not in (1, 2) or min(h.shape, default=0) < 2:
@@ -66,6 +68,8 @@ class Problem:
         if threads is not None:
             threads = whole_number(threads, "threads")
         max_iterations = whole_number(max_iterations, "max_iterations")
+        if hardness is not None:
+            hardness = positive_number(hardness, "hardness")
         # What makes the solver iterate in float64, and would have to be otherwise.
         reasons = ["precision: mixed"] * (precision == "double")
         reasons += [f"tolerance: {FLOAT32_FLOOR:g}"] * (tolerance < FLOAT32_FLOOR)
@@ -74,6 +78,7 @@ class Problem:
             double=bool(reasons),
             instead=" with ".join(reasons),
             converted=h.dtype not in (np.float32, np.float64),
+            bounded=hardness is not None,
         )
         check_heights(h, per_point=0)
         if h.dtype not in (np.float32, np.float64):
@@ -81,11 +86,13 @@ class Problem:
         self.shape = h.shape
         self.spacing = length / h.shape[0]
         self.modulus = modulus
+        self.hardness = hardness
         self.correction: Correction = correction
         self.options = Options(
             double=precision == "double",
             threads=threads or len(os.sched_getaffinity(0)),
             max_iterations=max_iterations,
+            hardness=None if hardness is None else hardness / modulus * self.spacing,
         )
         surface = h.reshape((1, -1)) if h.ndim == 1 else h
         self.solver = Solver(surface, tolerance, **self.options)
@@ -115,6 +122,11 @@ class Problem:
         bad = ~((p > 0.0) & np.isfinite(p))
         if bad.any():
             raise SolverError(f"pressures must be positive and finite, got {p[bad][0]}")
+        if self.hardness is not None and (p > self.hardness).any():
+            raise SolverError(
+                f"a hardness of {self.hardness:g} bears no mean pressure above it, got "
+                f"{p.max():g}"
+            )
         loads = p / self.pressure_unit
         low = p[loads < SMALLEST_LOAD]
         if low.size:
@@ -132,6 +144,11 @@ class Problem:
             gap = np.zeros_like(pressure)
         else:
             pressure, gap = self.solver.dense(solution)
+            bound = self.solver.hardness
+            plastic = None if bound is None else pressure >= bound
             pressure *= self.pressure_unit
+            if plastic is not None and self.hardness is not None:
+                pressure[plastic] = self.hardness  # float32 may hold a little less
+                np.minimum(pressure, self.hardness, out=pressure)
             gap *= self.solver.rms
         return Fields(pressure.reshape(self.shape), gap.reshape(self.shape))

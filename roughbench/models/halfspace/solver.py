@@ -21,21 +21,27 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from roughbench.models.base import Status
+from roughbench.models.halfspace.bounded import BoundedWorkspace
 from roughbench.models.halfspace.certificate import Certificate
 from roughbench.models.halfspace.evaluation import GapEvaluator
-from roughbench.models.halfspace.loops import gap, tiles
+from roughbench.models.halfspace.loops import NEVER_FREE, gap, tiles
 from roughbench.models.halfspace.operator import HalfSpaceOperator
 from roughbench.models.halfspace.options import Correction
 from roughbench.models.halfspace.perimeter import corrected_area, count_edges
+from roughbench.models.halfspace.plastic import (
+    BoundedEvaluator,
+    bounded_cold_start,
+    rounded_down,
+)
 from roughbench.models.halfspace.relaxation import minimise
 from roughbench.models.halfspace.start import cold_start, predict, scale_to
 from roughbench.models.halfspace.surface import ScaledHeights
 from roughbench.models.halfspace.tangent import tangent
 from roughbench.models.halfspace.threads import ThreadTeam
-from roughbench.models.halfspace.working_set import WorkingSet
+from roughbench.models.halfspace.working_set import WorkingSet, tile_grid
 from roughbench.models.halfspace.workspace import Workspace
 
 FLOAT32_FLOOR = 2e-7
@@ -61,6 +67,7 @@ class Solution:
     status: Status
     iterations: int
     pairs: int
+    plastic_depth: float = 0.0
 
 
 class Solver:
@@ -80,6 +87,8 @@ class Solver:
     threads : int
     max_iterations : int
         Limit on the inner iterations of one state.
+    hardness : float, optional
+        Largest pressure, in E* times the unit of the heights over Δ.
     """
 
     def __init__(
@@ -90,6 +99,7 @@ class Solver:
         double: bool = False,
         threads: int = 1,
         max_iterations: int = 3000,
+        hardness: float | None = None,
     ) -> None:
         self.heights = heights
         self.tolerance = tolerance
@@ -102,16 +112,29 @@ class Solver:
         self._double: Workspace | None = None
         self._single: Workspace | None = None
         self._use_single = not double and tolerance >= FLOAT32_FLOOR
+        self.hardness: float | None = None
+        if hardness is not None and self.rms > 0.0:
+            # What float32 holds of it, so that both precisions mean the same.
+            single = np.float32 if self._use_single else np.float64
+            self.hardness = rounded_down(hardness / self.rms, single)
         if self._use_single:
-            self._single = Workspace(heights.shape, np.float32, self.team)
+            self._single = self._make_workspace(np.float32)
             self.exact = HalfSpaceOperator(heights.shape, np.float64, self.team)
         else:
             self.exact = self._workspace(double=True).operator
-        self._evaluator = GapEvaluator(self._heights, self.exact)
+        self._evaluator = (
+            GapEvaluator(self._heights, self.exact)
+            if self.hardness is None
+            else BoundedEvaluator(self._heights, self.exact, self.hardness)
+        )
         self._full_gap: tuple[float, ...] | None = None
         # Contact is exactly full from p̄ = −min σ_fc on.
-        _, (lowest, self.full_energy) = self.traction_at_full_contact()
+        field, (lowest, self.full_energy) = self.traction_at_full_contact()
         self.full_load = -lowest
+        # A hardness may be reached before; then full contact has no closed form.
+        self._most_full_load = (
+            math.inf if self.hardness is None else self.hardness - float(field.max())
+        )
 
     @property
     def pairs(self) -> int:
@@ -126,8 +149,17 @@ class Solver:
         if not double and self._single is not None:
             return self._single
         if self._double is None:
-            self._double = Workspace(self.heights.shape, np.float64, self.team)
+            self._double = self._make_workspace(np.float64)
         return self._double
+
+    def _make_workspace(self, dtype: DTypeLike) -> Workspace:
+        if self.hardness is None:
+            return Workspace(self.heights.shape, dtype, self.team)
+        return BoundedWorkspace(self.heights.shape, dtype, self.team, self.hardness)
+
+    def is_full(self, load: float) -> bool:
+        """Whether contact is full, and elastic, at this load."""
+        return self.full_load <= load <= self._most_full_load
 
     def traction_at_full_contact(self) -> tuple[NDArray[np.floating], tuple[float, float]]:
         """σ_fc = S h, a field that the next transform overwrites; its minimum and ½⟨h σ_fc⟩."""
@@ -172,13 +204,16 @@ class Solver:
         That modulus, ½E*M_1/M_0, gives the springs the elastic energy of full contact.
         """
         dtype = self._workspace(double=False).dtype
-        return cold_start(self._evaluator, load, 2.0 * self.full_energy, dtype)
+        modulus = 2.0 * self.full_energy
+        if self.hardness is not None:
+            return bounded_cold_start(self._evaluator, load, modulus, self.hardness, dtype)
+        return cold_start(self._evaluator, load, modulus, dtype)
 
     def predict(
         self, solved: float, points: WorkingSet, rate: NDArray[np.floating], load: float
     ) -> WorkingSet | None:
         """Pressure at another load than ``solved``, from its tangent; see :func:`.predict`."""
-        return predict(solved, points, rate, load, self.size)
+        return predict(solved, points, rate, load, self.size, self.hardness)
 
     def solve(self, load: float, points: WorkingSet) -> Solution:
         """Return the state at nominal pressure ``load``, starting from ``points``.
@@ -186,7 +221,7 @@ class Solver:
         Parameters
         ----------
         load : float
-            0 < p̄ < ``full_load``.
+            p̄ > 0; where :meth:`is_full` there is nothing to solve.
         points : WorkingSet
             Pressures to start from.
 
@@ -195,6 +230,8 @@ class Solver:
         Solution
             ``converged`` only with a certificate that holds.
         """
+        if self.hardness is not None and load >= self.hardness * (1.0 - 1e-15):
+            return self._all_plastic(load)
         before = self.pairs
         total = load * self.size
         iterations = 0
@@ -206,7 +243,11 @@ class Solver:
                 complementarity=float(state.sum_p_gap / state.sum_p),
                 penetration=-float(state.lowest_gap),
                 load_error=float(abs(state.sum_p / total - 1.0)),
-                displacement=float(2.0 * state.energy * self.size / state.sum_p),
+                displacement=float(
+                    (2.0 * state.energy + (self.hardness or 0.0) * state.plastic_depth)
+                    * self.size
+                    / state.sum_p
+                ),
             )
             if not math.isfinite(certificate.error + state.sum_p):
                 status = Status.NOT_FINITE
@@ -216,14 +257,14 @@ class Solver:
             if converged:
                 # Near full contact the whole gap is smaller than the tolerance: aim at
                 # 1 % of its mean, so that stiffness and area mean something there.
-                aim = min(aim, max(0.01 * state.separation, AIM_FLOOR))
+                aim = min(aim, max(0.01 * state.open_gap, AIM_FLOOR))
                 if certificate.error <= aim:
                     status = Status.CONVERGED
                     break
             if iterations >= self.max_iterations:
                 status = Status.CONVERGED if converged else Status.MAX_ITERATIONS
                 break
-            if certificate.error > 0.5 * previous_error:
+            if certificate.error >= 0.5 * previous_error:
                 if double:
                     status = Status.CONVERGED if converged else Status.STAGNATED
                     break
@@ -236,34 +277,76 @@ class Solver:
             done, _ = minimise(
                 workspace,
                 points,
-                total,
+                # Up to a hardness, Σp is mended between relaxations alone.
+                total if self.hardness is None else float(points.p.sum(dtype=np.float64)),
                 0.5 * aim,
                 self.max_iterations - iterations,
                 self._evaluator.direct_for(points),
             )
             iterations += done
-            scale_to(points, total)
+            scale_to(points, total, self.hardness)
         return Solution(
             load=load,
             points=points.in_contact(),
             alpha=state.alpha,
             separation=state.separation,
             energy=state.energy,
+            plastic_depth=state.plastic_depth,
             certificate=certificate,
             status=status,
             iterations=iterations,
             pairs=self.pairs - before,
         )
 
+    def _all_plastic(self, load: float) -> Solution:
+        """Return the state at the hardness: everywhere; no gap at the lowest point."""
+        shape = self.heights.shape
+        dtype = self._workspace(double=False).dtype
+        deepest = float(self._heights.mean - self.heights.min()) * self._heights.scale
+        alpha = self._heights.depth + deepest
+        self.exact.field[...] = 0.0
+        none = WorkingSet.on(shape, np.zeros(tile_grid(shape), np.uint8), dtype)
+        everywhere = np.ones(tile_grid(shape), np.uint8)
+        points = self._evaluator.make_working_set(none, alpha, everywhere, dtype, 1.0)
+        points.p[points.r < 0.5 * NEVER_FREE] = self.hardness or load
+        points.keep_pressure()
+        depth = alpha - self._heights.depth
+        return Solution(
+            load=load,
+            points=points,
+            alpha=alpha,
+            separation=-depth,
+            energy=0.0,
+            plastic_depth=depth,
+            certificate=Certificate(0.0, 0.0, 0.0, depth),
+            status=Status.CONVERGED,
+            iterations=0,
+            pairs=0,
+        )
+
     def tangent(self, points: WorkingSet) -> tuple[float, NDArray[np.floating]]:
-        """Stiffness −dp̄/dū at frozen contact, and ∂p/∂p̄ on the points."""
-        if points.n_contact == self.size:
+        """Stiffness −dp̄/dū at frozen contact, and ∂p/∂p̄ on the points.
+
+        Plastic points go on to carry the hardness: the others alone are stiff.
+        """
+        points = self.elastic(points)
+        n_contact = points.n_contact
+        if n_contact == self.size:
             return math.inf, np.ones_like(points.p)
+        if n_contact == 0:
+            return 0.0, np.zeros_like(points.p)
         workspace = self._workspace(double=points.p.dtype == np.float64)
         compliance, rate, _ = tangent(
             workspace, points, TANGENT_TOLERANCE, direct=self._evaluator.direct_for(points)
         )
         return 1.0 / compliance, rate
+
+    def elastic(self, points: WorkingSet) -> WorkingSet:
+        """Return the points without the pressure of plastic ones; itself without a hardness."""
+        if self.hardness is None:
+            return points
+        p = np.where(points.p < self.hardness, points.p, points.p.dtype.type(0))
+        return WorkingSet.under_pressure(points.height, points.rows, points.tiles, p)
 
     def area(self, points: WorkingSet, correction: Correction) -> tuple[float, float]:
         """A/A0, corrected for the perimeter or not, and points in contact / all points.
@@ -274,7 +357,9 @@ class Solver:
             raw = points.n_contact / self.size
             return raw, raw
         scratch = self._workspace(double=points.p.dtype == np.float64).scratch
-        contact, free = count_edges(points, self._heights.surface, scratch, self.team)
+        contact, free = count_edges(
+            points, self._heights.surface, scratch, self.team, self.hardness
+        )
         return corrected_area(contact, free) / self.size, contact / self.size
 
     def dense(self, solution: Solution) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from roughbench.models.halfspace.direct import DirectOperator
-from roughbench.models.halfspace.loops import relaxation, tiles
+from roughbench.models.halfspace.loops import relaxation, tiles, vectors
 from roughbench.models.halfspace.operator import HalfSpaceOperator, stiffness_stencil
 from roughbench.models.halfspace.preconditioner import CoarseSolver
 from roughbench.models.halfspace.threads import ThreadTeam
@@ -96,6 +96,70 @@ class Workspace:
             *(number(alpha), number(beta), number(shift), number(tau)),
         )
         return float(sum(loads))
+
+    def trial_load(self, tau: float) -> float:
+        """Σ of the loads of the tiles at p + τd, as :meth:`update_direction` returns it."""
+        w = self.points
+        return float(
+            sum(
+                self.team.run(
+                    vectors.trial_load,
+                    self.tile_blocks,
+                    *(w.tile_size, w.p, w.d, self.dtype.type(tau)),
+                )
+            )
+        )
+
+    def trial_step(
+        self, alpha: float, tau: float, trial: float, total: float
+    ) -> tuple[float, float]:
+        """Set s, and the field to it where G takes transforms; Σsρ and the points lost.
+
+        ``trial`` is Σ of the loads of the tiles at p + τd, ``total`` what it has to be.
+        """
+        number = self.dtype.type
+        slope, clipped = self.team.sum(
+            relaxation.trial_step,
+            self.blocks,
+            *(self.tiling, self.vectors, self.coarse.count),
+            *(self.operator.field, self.direct is None),
+            *(number(alpha), number(tau), number(total / trial)),
+        )
+        return slope, clipped
+
+    def use_residual(self, alpha: float) -> NDArray[np.float64]:
+        """s = ρ on free points; returns the number of these and Σs."""
+        number = self.dtype.type
+        return self.team.sum(
+            vectors.use_residual,
+            self.tile_blocks,
+            *(self.points.tile_size, self.vectors, number(1), number(alpha)),
+        )
+
+    def largest_step(self) -> float:
+        """Largest t for which p + ts is allowed everywhere."""
+        w = self.points
+        return min(self.team.run(vectors.largest_step, self.tile_blocks, w.tile_size, w.p, w.s))
+
+    def contact_sums(self) -> NDArray[np.float64]:
+        """Return the number of points that α is a mean of, and Σr over them."""
+        w = self.points
+        return self.team.sum(vectors.contact_sums, self.tile_blocks, w.tile_size, w.p, w.r)
+
+    def plane(
+        self, n_contact: float, sum_r: float, length: float = 0.0, sum_y: float = 0.0
+    ) -> float:
+        """α after a step of this length along s, from sums over the contact before."""
+        return (sum_r + length * sum_y) / n_contact
+
+    def drop_residues(self, alpha: float) -> None:
+        """Empty the points whose pressure is less than what their gap takes away."""
+        w = self.points
+        self.team.run(
+            vectors.drop_residues,
+            self.tile_blocks,
+            *(w.tile_size, w.p, w.r, self.dtype.type(alpha), self.weights[0]),
+        )
 
     def image(self, x: NDArray[Any]) -> NDArray[np.float64]:
         """y = G x on the tiles; returns Σxy, and over the contact its size, Σr and Σy."""

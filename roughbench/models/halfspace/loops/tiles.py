@@ -96,10 +96,11 @@ def _is_free(i, j, di, dj, scratch, heights, scale):
 
 
 @loop
-def count_edges(a, b, tiling, scratch, surface):
+def count_edges(a, b, tiling, scratch, surface, plastic):
     """Points with p > 0, and free grid edges between these and others.
 
-    ``scratch`` holds p, with its halo. For what is free see
+    ``scratch`` holds p, with its halo; from ``plastic`` on a point has no free
+    edges. For what is free see
     :func:`roughbench.models.halfspace.perimeter.count_edges`.
     """
     height, rows, tiles = tiling
@@ -118,6 +119,8 @@ def count_edges(a, b, tiling, scratch, surface):
                     if not here[c] > 0:
                         continue
                     contact += 1.0
+                    if here[c] >= plastic:
+                        continue
                     if north[c] == 0 and _is_free(i, j, -1, 0, scratch, heights, scale):
                         free += 1.0
                     if south[c] == 0 and _is_free(i, j, 1, 0, scratch, heights, scale):
