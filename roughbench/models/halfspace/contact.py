@@ -7,10 +7,12 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from roughbench.errors import SolverError
 from roughbench.inputs import real_number
 from roughbench.models.base import CompleteCurve, Status
 from roughbench.models.halfspace.options import Correction, Precision
 from roughbench.models.halfspace.problem import Problem
+from roughbench.models.halfspace.separation import no_contact, solve_at_separation
 from roughbench.models.halfspace.solver import Solution, Solver
 from roughbench.models.halfspace.states import solve_states
 from roughbench.models.halfspace.working_set import WorkingSet
@@ -67,7 +69,7 @@ class ContactState:
             self.area_fraction, self.area_fraction_raw = solver.area(
                 solution.points, problem.correction
             )
-            self.mean_separation = solution.separation * solver.rms
+            self.mean_separation = solution.separation * problem.height_unit
             self.energy = solution.energy * problem.energy_unit
             self.status = solution.status
             self.certificate = solution.certificate
@@ -110,8 +112,9 @@ class _Tangent:
 
 def solve_contact(
     heights: ArrayLike,
-    pressure: float,
+    pressure: float | None = None,
     *,
+    separation: float | None = None,
     length: float = 1.0,
     modulus: float = 1.0,
     tolerance: float = 1e-6,
@@ -131,8 +134,12 @@ def solve_contact(
     heights : array_like of float, shape (n, m) or (n,)
         Heights of the wall, upwards into contact, length. Their mean is subtracted.
         One-dimensional heights are a line contact on a half-plane.
-    pressure : float
-        Nominal pressure p > 0, in the unit of ``modulus``.
+    pressure : float, optional
+        Nominal pressure p > 0, in the unit of ``modulus``. Either this or ``separation``.
+    separation : float, optional
+        Mean gap ū > 0 instead, in the unit of the heights: the load that leaves it is found, by
+        Newton's method with K as the tangent. Without contact (ū of at least the height of the
+        highest point above the mean) the state has zero pressure.
     length : float
         Side of the periodic cell along the first axis, in the unit of the heights;
         pixels are square.
@@ -174,13 +181,21 @@ def solve_contact(
     >>> bool(abs(state.area_fraction_raw - 0.5) < 2e-3)
     True
     """
-    nominal = real_number(pressure, "pressure")
+    if (pressure is None) == (separation is None):
+        raise SolverError("give exactly one of pressure and separation")
     problem = Problem(
         *(heights, length, modulus, tolerance, precision, threads, max_iterations),
         *(correction, hardness),
     )
-    load = float(problem.loads([nominal])[0])
     solver = problem.solver
+    if separation is not None:
+        wanted = problem.gap_wanted(separation)
+        if wanted >= solver.depth:
+            solution = no_contact(solver, wanted)
+        else:
+            solution = solve_at_separation(solver, wanted)
+        return ContactState(problem, solution, solution.load)
+    load = float(problem.loads([real_number(pressure, "pressure")])[0])
     if solver.is_full(load):
         return ContactState(problem, None, load)
     return ContactState(problem, solver.solve(load, solver.cold_start(load)), load)

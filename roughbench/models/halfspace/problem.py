@@ -15,6 +15,7 @@ from roughbench.inputs import (
     float_array,
     positive_number,
     real_array,
+    real_number,
     whole_number,
 )
 from roughbench.models.base import Fields, FloatArray
@@ -24,6 +25,10 @@ from roughbench.models.halfspace.solver import FLOAT32_FLOOR, Solution, Solver
 
 SMALLEST_LOAD = 1e-20
 """In E* h_rms/Δ. A single point of a grid carries its share of less; float32 does not."""
+
+
+SMALLEST_GAP = 1e-12
+"""In h_rms. Rounding errors of float64 decide about less."""
 
 
 class Options(TypedDict):
@@ -104,6 +109,7 @@ class Problem:
             )
         # A flat wall has no scale of its own; its only state is full contact.
         rms = self.solver.rms or 1.0
+        self.height_unit = rms
         self.pressure_unit = modulus * rms / self.spacing
         self.energy_unit = modulus * rms**2 / self.spacing
         for unit in (self.pressure_unit, self.energy_unit, self.pressure_unit / rms):
@@ -136,12 +142,33 @@ class Problem:
             )
         return loads
 
+    def gap_wanted(self, separation: float) -> float:
+        """Dimensionless mean gap ū of a state to be found."""
+        wanted = real_number(separation, "separation")
+        if not wanted > 0.0:
+            raise SolverError(
+                f"separation must be greater than 0, got {wanted:g}: in full contact, from a "
+                f"pressure of {self.solver.full_load * self.pressure_unit:g} on, it is 0 at "
+                "every pressure; give a pressure there"
+            )
+        rms = self.height_unit
+        if not SMALLEST_GAP <= wanted / rms < math.inf:
+            raise SolverError(
+                f"separation must be at least {SMALLEST_GAP * rms:.1e} on these heights "
+                f"({SMALLEST_GAP:g} h_rms) and finite, got {wanted:g}"
+            )
+        return wanted / rms
+
     def fields(self, solution: Solution | None, load: float) -> Fields:
         """Return pressure, in the unit of the modulus, and gap of a state, None for full."""
         if solution is None:
             sigma, _ = self.solver.traction_at_full_contact()
             pressure = (sigma + load) * self.pressure_unit
             gap = np.zeros_like(pressure)
+        elif solution.load == 0.0:
+            h = self.solver.scaled_heights
+            pressure = np.zeros(self.solver.heights.shape)
+            gap = (h.mean - self.solver.heights) + solution.separation * self.height_unit
         else:
             pressure, gap = self.solver.dense(solution)
             bound = self.solver.hardness

@@ -137,6 +137,21 @@ class Solver:
         )
 
     @property
+    def scaled_heights(self) -> ScaledHeights:
+        """The heights as the loops take them."""
+        return self._heights
+
+    @property
+    def depth(self) -> float:
+        """Mean gap at first contact: of the mean below the highest point, in h_rms."""
+        return self._heights.depth
+
+    @property
+    def deepest(self) -> float:
+        """Depth of the lowest point below the mean, in h_rms."""
+        return float(self._heights.mean - self.heights.min()) * self._heights.scale
+
+    @property
     def pairs(self) -> int:
         """Transform pairs done so far."""
         operators = {id(self.exact): self.exact}
@@ -302,8 +317,7 @@ class Solver:
         """Return the state at the hardness: everywhere; no gap at the lowest point."""
         shape = self.heights.shape
         dtype = self._workspace(double=False).dtype
-        deepest = float(self._heights.mean - self.heights.min()) * self._heights.scale
-        alpha = self._heights.depth + deepest
+        alpha = self._heights.depth + self.deepest
         self.exact.field[...] = 0.0
         none = WorkingSet.on(shape, np.zeros(tile_grid(shape), np.uint8), dtype)
         everywhere = np.ones(tile_grid(shape), np.uint8)
