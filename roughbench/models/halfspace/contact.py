@@ -45,6 +45,10 @@ class ContactState:
         certificate, and at plastic points negative: so far the material has given way.
     iterations, transform_pairs : int
         Work that the state took.
+    history : list of Progress, or None
+        Where it was asked for: ``transform_pairs``, ``error`` and ``is_certified`` of each
+        iteration and evaluation. With a prescribed separation those of all loads tried, each
+        counted from zero.
 
     Notes
     -----
@@ -74,6 +78,7 @@ class ContactState:
             self.status = solution.status
             self.certificate = solution.certificate
             self.iterations, self.transform_pairs = solution.iterations, solution.pairs
+        self.history = solver.history
         fields = problem.fields(solution, load)
         self.pressure, self.gap = fields.pressure, fields.gap
 
@@ -123,6 +128,8 @@ def solve_contact(
     max_iterations: int = 3000,
     correction: Correction = "perimeter",
     hardness: float | None = None,
+    start: ArrayLike | None = None,
+    history: bool = False,
 ) -> ContactState:
     r"""Press a hard rough wall against a periodic elastic half-space.
 
@@ -162,6 +169,12 @@ def solve_contact(
         Upper bound H ≥ p̄ on the pressure, in the unit of ``modulus``: elastic and perfectly
         plastic (Almqvist et al., 2007). Where p = H the gap is zero or negative. ``energy``
         is the elastic part, K is at points that go on to carry H.
+    start : array_like of float, shape of the heights, optional
+        Contact pressures to start the iteration from, in the unit of ``modulus``; they are
+        multiplied to the load. Those of a similar state save iterations; the result is the same
+        within the tolerance. With ``separation`` their mean is the first load.
+    history : bool
+        Whether to keep what each iteration had reached, as ``state.history``.
 
     Raises
     ------
@@ -188,17 +201,20 @@ def solve_contact(
         *(correction, hardness),
     )
     solver = problem.solver
+    solver.history = [] if history else None
+    given = None if start is None else problem.start(start)
     if separation is not None:
         wanted = problem.gap_wanted(separation)
         if wanted >= solver.depth:
             solution = no_contact(solver, wanted)
         else:
-            solution = solve_at_separation(solver, wanted)
+            solution = solve_at_separation(solver, wanted, given)
         return ContactState(problem, solution, solution.load)
     load = float(problem.loads([real_number(pressure, "pressure")])[0])
     if solver.is_full(load):
         return ContactState(problem, None, load)
-    return ContactState(problem, solver.solve(load, solver.cold_start(load)), load)
+    points = solver.cold_start(load) if given is None else solver.start_from(given, load)
+    return ContactState(problem, solver.solve(load, points), load)
 
 
 def solve_curve(

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 from roughbench.models.halfspace.direct import DirectOperator
 from roughbench.models.halfspace.evaluation import SMALL_GAP, Evaluation, GapEvaluator
-from roughbench.models.halfspace.loops import bounded, gap
+from roughbench.models.halfspace.loops import gap, plastic
 from roughbench.models.halfspace.operator import HalfSpaceOperator
 from roughbench.models.halfspace.surface import ScaledHeights
 from roughbench.models.halfspace.working_set import WorkingSet, tile_grid
@@ -49,15 +49,15 @@ class BoundedEvaluator(GapEvaluator):
         _, energy, sum_p = self.displace(points)
         blocks, _ = self.team.split(points.rows)
         on = points.tiling, points.p, self.operator.field, self.heights.surface
-        weight, moment = self.team.sum(bounded.elastic_plane, blocks, *on, self._hardness)
+        weight, moment = self.team.sum(plastic.elastic_plane, blocks, *on, self._hardness)
         marked = np.empty(tile_grid(self.shape), np.uint8)
         tile_rows = self.team.even(marked.shape[0])
         if weight > 0.0:
             alpha = float(moment / weight)
         else:
-            parts = self.team.run(bounded.dense_plane_range, tile_rows, *on, self._hardness)
+            parts = self.team.run(plastic.dense_plane_range, tile_rows, *on, self._hardness)
             alpha = plane_between(parts)
-        sums = self.team.run(bounded.mark_tiles, tile_rows, *on, alpha, self._hardness, marked)
+        sums = self.team.run(plastic.mark_tiles, tile_rows, *on, alpha, self._hardness, marked)
         opened = sum(part[2] for part in sums) / self.size
         depth = sum(part[3] for part in sums) / self.size
         separation = self.heights.depth - alpha

@@ -142,6 +142,20 @@ class Problem:
             )
         return loads
 
+    def start(self, pressure: ArrayLike) -> NDArray[np.float64]:
+        """Dimensionless pressures to start from, as the solver's heights lie."""
+        p: FloatArray = float_array(pressure, "start")
+        if p.shape != self.shape:
+            raise SolverError(
+                f"start must have the shape of the heights, {self.shape}, got {p.shape}"
+            )
+        if not (np.isfinite(p).all() and p.min() >= 0.0 and p.max() > 0.0):
+            raise SolverError(
+                "start must be pressures: finite, none negative, and not all zero; got values "
+                f"from {p.min():g} to {p.max():g}"
+            )
+        return (p / self.pressure_unit).reshape(self.solver.heights.shape)
+
     def gap_wanted(self, separation: float) -> float:
         """Dimensionless mean gap ū of a state to be found."""
         wanted = real_number(separation, "separation")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from roughbench.models.halfspace.certificate import PENETRATION_SLACK
 from roughbench.models.halfspace.direct import DirectOperator
@@ -32,6 +33,7 @@ def minimise(
     target: float,
     max_iterations: int,
     direct: DirectOperator | None = None,
+    record: Callable[[float], None] | None = None,
 ) -> tuple[int, bool]:
     r"""Lower ½⟨p·Gp⟩ − ⟨p·h⟩ over p ≥ 0, Σp = ``total``, on ``points``, in place.
 
@@ -66,6 +68,8 @@ def minimise(
     max_iterations : int
     direct : DirectOperator, optional
         Applies G, instead of transforms.
+    record : callable, optional
+        Called with the error of each iteration.
 
     Returns
     -------
@@ -88,6 +92,8 @@ def minimise(
         complementarity = sum(part[0] for part in parts) / total
         penetration = -min(part[1] for part in parts)
         error = max(complementarity, penetration / PENETRATION_SLACK)
+        if record is not None:
+            record(error)
         reached = error <= target
         if error < 0.9 * best:
             best, since_best = error, 0

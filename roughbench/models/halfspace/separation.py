@@ -16,6 +16,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from roughbench.models.base import Status
@@ -32,7 +33,7 @@ GAP_SHARE = 0.01
 
 
 def solve_at_separation(
-    solver: Solver, separation: float, start: WorkingSet | None = None
+    solver: Solver, separation: float, start: NDArray[np.float64] | None = None
 ) -> Solution:
     """Return the state with the mean gap ū, in h_rms; its load is what was found.
 
@@ -44,19 +45,19 @@ def solve_at_separation(
     solver : Solver
     separation : float
         0 < ū < depth of the mean below the highest point.
-    start : WorkingSet, optional
-        Pressures to start from; their mean is the first load.
+    start : ndarray, optional
+        Pressures to start from, shape of the heights; their mean is the first load.
     """
     first = solver.depth
     full = min(solver.full_load, solver.hardness or math.inf)
     low, high = 0.0, full
     load = _spring_load(solver, separation)
     if start is not None:
-        load = float(start.p.sum(dtype=float)) / solver.size
+        load = float(start.mean())
     load = min(max(load, 1e-12 * full), (1.0 - 1e-6) * full)
     wanted = math.log(separation / (first - separation))
     iterations, before = 0, solver.pairs
-    points = solver.cold_start(load) if start is None else start
+    points = solver.cold_start(load) if start is None else solver.start_from(start, load)
     best = math.inf
     for tried in range(MOST_STATES):
         solution = solver.solve(load, points)

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
@@ -37,7 +38,7 @@ from roughbench.models.halfspace.plastic import (
     rounded_down,
 )
 from roughbench.models.halfspace.relaxation import minimise
-from roughbench.models.halfspace.start import cold_start, predict, scale_to
+from roughbench.models.halfspace.start import cold_start, from_field, predict, scale_to
 from roughbench.models.halfspace.surface import ScaledHeights
 from roughbench.models.halfspace.tangent import tangent
 from roughbench.models.halfspace.threads import ThreadTeam
@@ -52,6 +53,25 @@ AIM_FLOOR = 1e-14
 
 TANGENT_TOLERANCE = 1e-5
 """Relative change of the stiffness in the last iteration of the tangent problem."""
+
+
+class Progress(NamedTuple):
+    """How far an iteration had come.
+
+    Attributes
+    ----------
+    transform_pairs : int
+        Done for the state up to here.
+    error : float
+        :attr:`Certificate.error` of the pressures, h_rms: complementarity, or a tenth of the
+        penetration if that is more.
+    is_certified : bool
+        Whether it is of all points, in float64; else the iteration's own, on its working set.
+    """
+
+    transform_pairs: int
+    error: float
+    is_certified: bool
 
 
 @dataclass(slots=True)
@@ -127,6 +147,8 @@ class Solver:
             if self.hardness is None
             else BoundedEvaluator(self._heights, self.exact, self.hardness)
         )
+        self.history: list[Progress] | None = None
+        """Where each iteration is noted, if it is a list."""
         self._full_gap: tuple[float, ...] | None = None
         # Contact is exactly full from p̄ = −min σ_fc on.
         field, (lowest, self.full_energy) = self.traction_at_full_contact()
@@ -224,6 +246,16 @@ class Solver:
             return bounded_cold_start(self._evaluator, load, modulus, self.hardness, dtype)
         return cold_start(self._evaluator, load, modulus, dtype)
 
+    def start_from(self, pressure: NDArray[np.float64], load: float) -> WorkingSet:
+        """Pressures of a dense field, scaled to this load, to start from.
+
+        A cold start where these points cannot carry it, each up to the hardness.
+        """
+        points = from_field(pressure, self._workspace(double=False).dtype)
+        scale_to(points, load * self.size, self.hardness)
+        carried = float(points.p.sum(dtype=np.float64))
+        return points if carried > (1 - 1e-4) * load * self.size else self.cold_start(load)
+
     def predict(
         self, solved: float, points: WorkingSet, rate: NDArray[np.floating], load: float
     ) -> WorkingSet | None:
@@ -248,6 +280,11 @@ class Solver:
         if self.hardness is not None and load >= self.hardness * (1.0 - 1e-15):
             return self._all_plastic(load)
         before = self.pairs
+
+        def note(error: float, *, is_certified: bool = False) -> None:
+            if self.history is not None:
+                self.history.append(Progress(self.pairs - before, error, is_certified))
+
         total = load * self.size
         iterations = 0
         double = not self._use_single
@@ -264,6 +301,7 @@ class Solver:
                     / state.sum_p
                 ),
             )
+            note(certificate.error, is_certified=True)
             if not math.isfinite(certificate.error + state.sum_p):
                 status = Status.NOT_FINITE
                 break
@@ -297,6 +335,7 @@ class Solver:
                 0.5 * aim,
                 self.max_iterations - iterations,
                 self._evaluator.direct_for(points),
+                note,
             )
             iterations += done
             scale_to(points, total, self.hardness)

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from roughbench.models.halfspace.evaluation import GapEvaluator
-from roughbench.models.halfspace.loops import gap
+from roughbench.models.halfspace.loops import TILE, gap
 from roughbench.models.halfspace.plastic import fit_load
 from roughbench.models.halfspace.surface import ScaledHeights
-from roughbench.models.halfspace.working_set import WorkingSet, tile_grid
+from roughbench.models.halfspace.working_set import WorkingSet, tile_grid, tile_height
 
 PREDICTION_REACH = 4.0
 """Largest step of the load, as a factor, over which the tangent predicts a start. Beyond
@@ -42,6 +42,21 @@ def cold_start(
         points = evaluator.make_working_set(none, -plane, marked, dtype, 1.0)
         np.maximum(-points.r, 0, out=points.p)
     scale_to(points, load * size)
+    return points
+
+
+def from_field(pressure: NDArray[np.float64], dtype: DTypeLike) -> WorkingSet:
+    """Return the positive pressures of a dense field, shape (n, m), as a working set."""
+    shape = pressure.shape[0], pressure.shape[1]
+    rows, columns = tile_grid(shape)
+    height = tile_height(shape)
+    padded = np.zeros((rows * height, columns * TILE), dtype)
+    padded[: shape[0], : shape[1]] = pressure
+    tiles = padded.reshape(rows, height, columns, TILE).swapaxes(1, 2)
+    marked: NDArray[np.bool_] = np.any(tiles > 0, axis=(2, 3))
+    points = WorkingSet.on(shape, marked.astype(np.uint8), dtype)
+    points.p[:] = tiles[marked].ravel()
+    points.keep_pressure()
     return points
 
 
