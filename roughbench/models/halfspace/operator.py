@@ -55,10 +55,10 @@ class HalfSpaceOperator:
         self._apply(self._compliance, -1)
         self.pairs += 1
 
-    def traction(self) -> None:
-        """field ← S field: pressure of zero mean from displacement."""
-        self._apply(self._stiffness, 1)
+    def traction(self) -> float:
+        """field ← S field: pressure of zero mean from displacement; Σ of their products."""
         self.pairs += 1
+        return self._apply(self._stiffness, 1)
 
     def unit_response(self) -> None:
         """field ← G in real space: displacement by a unit pressure on the first point."""
@@ -66,9 +66,9 @@ class HalfSpaceOperator:
         self.field[0, 0] = 1.0
         self._apply(self._compliance, -1)
 
-    def _apply(self, factor: np.floating, exponent: int) -> None:
+    def _apply(self, factor: np.floating, exponent: int) -> float:
         self.transform.forward()
-        self.team.run(
+        work = self.team.run(
             gap.multiply_by_kernel,
             self._blocks,
             self.transform.spectral,
@@ -76,8 +76,10 @@ class HalfSpaceOperator:
             self._qx_squared,
             factor,
             exponent,
+            self.transform.real.shape[1],
         )
         self.transform.backward()
+        return float(sum(work))
 
 
 def kernel_on(size: tuple[int, int]) -> FloatArray:

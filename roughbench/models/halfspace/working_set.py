@@ -136,3 +136,8 @@ class WorkingSet:
     def n_contact(self) -> int:
         """Number of points under pressure."""
         return int(np.count_nonzero(self.p))
+
+    @property
+    def sum_p(self) -> float:
+        """Σp."""
+        return float(self.p.sum(dtype=np.float64))
