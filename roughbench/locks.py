@@ -61,15 +61,15 @@ def wait_for_lock(
     """
     start = alive = time.monotonic()
     stamp = os.fstat(descriptor).st_mtime_ns
-    told = False
+    announced = False
     while (held := try_lock(descriptor)) is False:
         before, stamp = stamp, os.fstat(descriptor).st_mtime_ns
         now = time.monotonic()
         alive = now if stamp != before else alive
         if now - alive >= patience:
             break
-        if now - start >= silence and not told:
-            told = True
+        if now - start >= silence and not announced:
+            announced = True
             tell()
         time.sleep(_PAUSE)
     return held

@@ -64,6 +64,64 @@ def with_error(value: float, error: float, digits: int = 3, *, of_error: int = 2
     return f"({text})·{_power(power)}" if power else text
 
 
+LOPSIDED = 1.5
+"""From this ratio of both sides on, an interval is said with its two sides."""
+
+
+def is_lopsided(value: float, low: float, high: float) -> bool:
+    """Return whether the sides of an interval differ so much that ± would mislead."""
+    if math.isnan(low) or math.isnan(high):
+        return False
+    sides = sorted((value - low, high - value))
+    return sides[1] != 0.0 and not (sides[0] > 0.0 and sides[1] <= LOPSIDED * sides[0])
+
+
+def with_interval(value: float, low: float, high: float, digits: int = 3) -> str:
+    """Return a value with its interval: ± where both sides are alike, else each of them.
+
+    Parameters
+    ----------
+    value, low, high : float
+        nan: there is none.
+    digits : int
+        Significant digits of a value without an interval.
+
+    Examples
+    --------
+    >>> with_interval(2.05, 2.03, 2.07), with_interval(3.2, 3.1, 22.2)
+    ('2.050 ± 0.020', '3.2 (+19/−0.1)')
+    >>> with_interval(3.2, 3.1, math.inf), with_interval(9.4, 6.02, 9.3)
+    ('3.2 (+∞/−0.1)', '9.4 (68 %: 6.0 to 9.3)')
+    """
+    if math.isnan(value) or math.isinf(value) or math.isnan(low) or math.isnan(high):
+        return number(value, digits)
+    down, up = value - low, high - value
+    sides = [side for side in (down, up) if math.isfinite(side) and side != 0.0]
+    if not sides:
+        return number(value, digits)
+    if not is_lopsided(value, low, high):
+        return with_error(value, 0.5 * (down + up), digits)
+    power = math.floor(math.log10(abs(value))) if value else 0
+    power = 0 if -4 < power < 4 else power
+    smallest = min(map(abs, sides)) if min(down, up) >= 0.0 else 0.1 * (high - low)
+    places = min(max(0, power - math.floor(math.log10(smallest))), 6)
+
+    def text(one: float, most: int = places) -> str:
+        return f"{one / 10.0**power:.{most}f}" if math.isfinite(one) else number(one)
+
+    def side(one: float) -> str:
+        if not (math.isfinite(one) and one > 0.0):
+            return text(one)
+        return text(one, min(places, max(0, 1 + power - math.floor(math.log10(one)))))
+
+    if min(down, up) < 0.0:
+        shown = f"{text(value)} (68 %: {text(low)} to {text(high)})"
+    else:
+        shown = f"{text(value)} (+{side(up)}/-{side(down)})"
+    shown = shown.replace("-", "−")
+    return f"({shown})·{_power(power)}" if power else shown
+
+
 def measured(value: float, error: float, bound: str = "") -> str:
     """Return value ± error after its bound, "≤" or "≥"; nothing bounds what is not there.
 

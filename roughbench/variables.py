@@ -42,6 +42,10 @@ FIELD_VARIABLES = tuple(_FIELDS)
 _OTHERS: dict[str, tuple[Axes, Variable]] = {
     "realization": (("realization",), Variable("index of the realization")),
     "status": (STATES, Variable("how the computation of the state ended")),
+    "plastic_depth": (
+        STATES,
+        Variable("mean depth to which plastic points have given way", length=1),
+    ),
     "n_converged": (("pressure",), Variable("number of converged realizations")),
     "rms_height": (
         ("realization",),

@@ -26,7 +26,7 @@ from _machine import describe_machine
 
 import roughbench as rb
 from roughbench.models.foundation import foundation_curve
-from roughbench.planning.plan import Cell
+from roughbench.planning.cells import Cell
 from roughbench.planning.samples import make_sample
 from roughbench.runner import plan, preview
 

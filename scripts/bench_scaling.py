@@ -8,7 +8,7 @@ Three tables on self-affine surfaces, H = 0.7, rms slope 0.1, qr = q0:
   with 2 points on the shortest wave, and with 1, 2, … threads. Its floor is the time of
   as many bare transform pairs, float32, at as many threads, measured in the same round;
 * the share of a curve's time that is spent in transforms;
-* loads from 1e-7 to 1e-5 on 4096² points, with the direct sum over the loaded
+* loads from 1e-7 to 1e-5 on 4096² points, with the direct and the split sum over the loaded
   points and without.
 """
 
@@ -26,7 +26,7 @@ from _machine import describe_machine
 from numpy.typing import NDArray
 
 from roughbench.models.base import CompleteCurve
-from roughbench.models.halfspace import evaluation
+from roughbench.models.halfspace import evaluation, workspace
 from roughbench.models.halfspace.contact import solve_curve
 from roughbench.models.halfspace.operator import HalfSpaceOperator
 from roughbench.models.halfspace.states import solve_states
@@ -128,17 +128,17 @@ def curves(sizes: list[int], threads: list[int], rounds: int) -> list[dict[str, 
 
 
 def low_loads(n: int, threads: int, rounds: int) -> None:
-    """Time single low loads with and without the direct sum; print a row each."""
+    """Time single low loads with and without sums over the points; print a row each."""
     print(
         f"\nN = {n}, {threads} threads, loads one after the other, stiffness included; "
         "s per load, median\n"
     )
     print(
-        "| points per wave | p/E* | A/A0 | direct sum | transforms | ratio "
+        "| points per wave | p/E* | A/A0 | sums | transforms | ratio "
         "| worst complementarity | largest difference of ū/h, A/A0 |"
     )
     print("|" + "-|" * 8)
-    usual = evaluation.DIRECT_SUM_MAX_FRACTION
+    usual, usual_split = evaluation.DIRECT_SUM_MAX_FRACTION, workspace.SPLIT_MAX_FRACTION
     for points_per_wave in (4, 2):
         heights = rough(n, points_per_wave)
         times: dict[float, list[list[float]]] = {usual: [], 0.0: []}
@@ -146,6 +146,7 @@ def low_loads(n: int, threads: int, rounds: int) -> None:
         for _ in range(rounds):
             for share, runs in times.items():
                 evaluation.DIRECT_SUM_MAX_FRACTION = share
+                workspace.SPLIT_MAX_FRACTION = usual_split if share else 0.0
                 ends: list[float] = [time.perf_counter()]
                 loads = [LOW_LOADS[0] / 2, *LOW_LOADS]  # the first has the start-up in it
                 states = []
@@ -155,6 +156,7 @@ def low_loads(n: int, threads: int, rounds: int) -> None:
                 answers[share] = CompleteCurve.from_states(states, np.array(loads))
                 runs.append(list(np.diff(ends)[1:]))
         evaluation.DIRECT_SUM_MAX_FRACTION = usual
+        workspace.SPLIT_MAX_FRACTION = usual_split
         direct, grid = (np.median(runs, axis=0) for runs in times.values())
         one, other = answers.values()
         assert one.diagnostics is not None

@@ -32,7 +32,7 @@ from _machine import describe_machine
 
 from roughbench.rundir.folder import RunFolder
 from roughbench.rundir.shards import realizations_of
-from roughbench.runner.inspection import verify
+from roughbench.runner.verification import verify
 
 SPEC = """\
 surface: {{H: 0.7, q0: 1.0, qr: 2.0, q1: 24.0, slope: 0.1}}

@@ -86,6 +86,9 @@ OWNERS = {
 }
 """Third-party package → the layers that may import it. NumPy is everybody's."""
 
+SAME_NAMES = {"Scales": ["figures.spectrum", "observables.fields"]}
+"""Classes whose name stands for two things; let there be no more."""
+
 ROOT = Path(roughbench.__file__).parent
 
 
@@ -155,13 +158,13 @@ def test_a_fault_would_be_found(name: str, text: str, fault: str) -> None:
 
 KINDS_ELSEWHERE = {
     ("figures.__init__", "foundation"): "the name of a figure, the paper's first",
-    ("figures.agreement", "foundation"): "the paper's Fig. 4 compares these two",
-    ("figures.agreement", "persson"): "the paper's Fig. 4 compares these two",
-    ("figures.pressed", "foundation"): "the paper's Fig. 1 is of this one",
+    ("figures.agreement", "foundation"): "the stiffness of these two is the paper's Fig. 4",
+    ("figures.agreement", "persson"): "the stiffness of these two is the paper's Fig. 4",
+    ("figures.pressed", "foundation"): "the paper's Fig. 1 shows this foundation",
     ("figures.spectrum", "line"): "what a model needs",
     ("report.observables", "persson"): "the end of a variable's name",
     ("report.tables", "line"): "a word",
-    ("cli.tables", "persson"): "the end of a variable's name",
+    ("cli.results_csv", "persson"): "the end of a variable's name",
 }
 """Words that are also kinds of models, and why they stand where they do."""
 
@@ -187,6 +190,24 @@ def test_no_kind_is_special_outside_of_models() -> None:
 def test_a_kind_would_be_found(name: str, found: int) -> None:
     text = '"""Of bem."""\nif model.kind == "persson":\n    special = True\n'
     assert len([*kinds_in(name, text)]) == found
+
+
+def classes(root: Path) -> dict[str, list[str]]:
+    """Return the modules that define each class of a name, whether private or not."""
+    places: dict[str, list[str]] = {}
+    for name, text in modules(root):
+        for node in ast.parse(text).body:
+            if isinstance(node, ast.ClassDef):
+                places.setdefault(node.name.lstrip("_"), []).append(name)
+    return places
+
+
+def test_a_type_name_has_one_meaning(tmp_path: Path) -> None:
+    places = classes(ROOT)
+    assert {name: found for name, found in places.items() if len(found) > 1} == SAME_NAMES
+    (tmp_path / "one.py").write_text("class Curve: ...\n", encoding="utf-8")
+    (tmp_path / "two.py").write_text("class _Curve: ...\n", encoding="utf-8")
+    assert classes(tmp_path) == {"Curve": ["one", "two"]}  # would be found
 
 
 def test_nothing_is_parsed_twice_or_missed() -> None:

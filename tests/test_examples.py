@@ -61,6 +61,22 @@ def test_a_theory_of_ones_own() -> None:
     assert ratio[0] == pytest.approx(0.9, rel=0.01)  # both proportional to p
 
 
+def test_reduction_of_dimensionality() -> None:
+    """Exact on smooth indenters; with roughness the stiffness stays near, the area does not."""
+    lines = output_of(EXAMPLES / "reduction.py")
+    middle = next(i for i, words in enumerate(lines) if words[0] == "rms")
+    smooth = np.array([words[-6:] for words in lines[1:middle]], float)
+    assert len(smooth) == 3
+    # Approach, K and A, from the half-space and from the springs.
+    np.testing.assert_allclose(smooth[:, 0::2], smooth[:, 1::2], rtol=2e-3)
+    np.testing.assert_allclose(smooth[:, 3], 2 * 0.25, rtol=1e-3)
+    rough = np.array(lines[middle + 1 :], float)
+    np.testing.assert_allclose(rough[0, 1:], 1.0, atol=3e-3)
+    np.testing.assert_allclose(rough[:, 2], 1.0, atol=0.05)
+    assert (np.diff(rough[:, 3]) > 0).all()
+    assert rough[-1, 3] > 2.0
+
+
 def test_the_notebook(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MPLBACKEND", "Agg")
     notebook = json.loads((EXAMPLES / "first_run.ipynb").read_text(encoding="utf-8"))

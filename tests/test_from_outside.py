@@ -19,7 +19,7 @@ import pytest
 
 import roughbench
 from roughbench import registry
-from roughbench.cli.tables import states_csv, summary_csv
+from roughbench.cli.results_csv import states_csv, summary_csv
 from roughbench.errors import RoughbenchError
 from roughbench.observables import clusters
 from roughbench.quantities import QUANTITIES

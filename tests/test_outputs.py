@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import socket
 import stat
 from pathlib import Path
@@ -31,12 +32,20 @@ models: [{kind: persson}]
 NOTE = Kind("note", lambda head, tail: head.startswith(b"note") and tail.endswith(b"."))
 
 
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of a spec and its results; to be copied, not used."""
+    folder = tmp_path_factory.mktemp("finished")
+    (folder / "small.yaml").write_text(SPEC)
+    rb.run(folder / "small.yaml", output=folder / "small.h5")
+    return folder
+
+
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return the current folder, with a spec and its results."""
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "small.yaml").write_text(SPEC)
-    rb.run("small.yaml", output="small.h5")
+    shutil.copytree(finished, tmp_path, dirs_exist_ok=True)
     return tmp_path
 
 
@@ -230,7 +239,7 @@ def test_a_file_that_appears_during_the_run_stays(
         (folder / "new.h5").write_text("a thesis")
         return assemble(*arguments)
 
-    monkeypatch.setattr("roughbench.runner.driver.assemble", meanwhile)
+    monkeypatch.setattr("roughbench.runner.publication.assemble", meanwhile)
     done = invoke("run", "small.yaml", "-o", "new.h5")
     assert done.exit_code == 3  # the tasks are kept
     assert "no results file that roughbench wrote" in done.stderr

@@ -25,6 +25,7 @@ from tests.test_store import assert_equal, model_result, results
 FULL = """
 import io, sys
 from roughbench import store
+from roughbench.store.writing import write_file
 from tests.test_store import results
 
 class Full(io.BytesIO):
@@ -40,7 +41,7 @@ whole = len(store.image(results()))
 told = 0
 for room in [*range(0, whole, 997), whole - 1]:
     try:
-        store._write(results(), Full(room))
+        write_file(results(), Full(room))
     except OSError as error:
         assert error.errno == 28, error
         told += 1
@@ -50,7 +51,7 @@ print(told, len([*range(0, whole, 997)]) + 1)
 
 def test_a_disk_that_is_full_anywhere_is_told_and_nothing_crashes() -> None:
     """In a process of its own: HDF5 would end it."""
-    root = Path(store.__file__).parents[1]
+    root = Path(store.__file__).parents[2]
     done = subprocess.run(
         [sys.executable, "-c", FULL],
         capture_output=True,
@@ -81,7 +82,7 @@ except StoreError as error:
 @pytest.mark.parametrize("size", [100, 5_000, 60_000])
 def test_a_limit_on_files_leaves_the_old_one(tmp_path: Path, size: int) -> None:
     path = write_results(results(), tmp_path / "r.h5")
-    root = Path(store.__file__).parents[1]
+    root = Path(store.__file__).parents[2]
     done = subprocess.run(
         [sys.executable, "-c", LIMITED, path],
         capture_output=True,
@@ -124,7 +125,7 @@ print(stopped)
 
 def test_a_signal_waits_until_hdf5_has_written() -> None:
     """What a handler raises in the middle would go through HDF5, and leave its file open."""
-    root = Path(store.__file__).parents[1]
+    root = Path(store.__file__).parents[2]
     done = subprocess.run(
         [sys.executable, "-c", DISTURBED],
         capture_output=True,

@@ -25,6 +25,7 @@ from roughbench.outputs import check_output
 from roughbench.results import Array, Attribute, ModelResult, Results
 from roughbench.seal import seal
 from roughbench.store import load, write_results
+from roughbench.store.checks import check_sealed
 from roughbench.variables import dimensions
 
 PRESSURES = np.array([1e-3, 1e-2, 0.1])
@@ -229,7 +230,7 @@ for shift in range(10**9):
 
 def test_a_killed_writer_leaves_a_whole_file(path: Path) -> None:
     here = Path(__file__).parent
-    root = Path(store.__file__).parents[1]
+    root = Path(store.__file__).parents[2]
     for _ in range(3):
         with subprocess.Popen(
             [sys.executable, "-c", WRITER, path, here],
@@ -509,7 +510,7 @@ def test_the_checksum_takes_no_memory(tmp_path: Path) -> None:
     big = Results({"main": {"m": ModelResult("m", "k", "T", {}, variables)}}, "", "")
     target = write_results(big, tmp_path / "big.h5")
     tracemalloc.start()
-    store._check_seal(target)
+    check_sealed(target)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert peak < target.stat().st_size / 5

@@ -137,10 +137,10 @@ def _parameters(fit: SelfAffineFit) -> Iterator[str]:
 
 
 def _warnings(found: Characterization) -> Iterator[str]:
-    told = [
+    remarks = [
         text for text in found.warnings if found.fit is not None or text not in found.remarks
     ]
-    if told:
+    if remarks:
         yield "Warnings:"
-    for text in told:
+    for text in remarks:
         yield f"  - {text}"

@@ -41,7 +41,7 @@ def command(results: Path, folder: Path, states: bool) -> None:  # noqa: FBT001
     kept are not exported. Prints the paths of the files. Letters that file names should not
     have are written as %XX, long names are shortened, and equal ones numbered.
     """
-    from roughbench.cli.tables import TABLE, observables_csv, states_csv, summary_csv
+    from roughbench.cli.results_csv import TABLE, observables_csv, states_csv, summary_csv
     from roughbench.outputs import check_output, write_output
     from roughbench.publish import make_folder
     from roughbench.store import load

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from roughbench.fits import Estimate, reference_of
 from roughbench.fits.tables import Table, departure_tables, law_tables, with_pressures
+from roughbench.numbers import is_lopsided, with_interval
 from roughbench.results import ModelResult, Results
 from roughbench.verdict.trust import ContenderTrust, Trust
 
@@ -126,7 +127,11 @@ def _text(number: Estimate) -> str:
     value = f"{number.value:.4g}"
     if number.bound:
         return f"{number.bound} {value}"
-    return value if math.isnan(number.error) else f"{value} ± {number.error:.2g}"
+    if math.isnan(number.low):
+        return value
+    if is_lopsided(number.value, number.low, number.high):
+        return with_interval(number.value, number.low, number.high)
+    return f"{value} ± {number.error:.2g}"
 
 
 def to_json(

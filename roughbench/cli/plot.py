@@ -19,6 +19,7 @@ from roughbench.text import on_one_line
         "roughbench plot quick.h5",
         "roughbench plot quick.h5 -o figures --figure stiffness",
         "roughbench plot h07.h5 h08.h5 -o hurst",
+        "roughbench plot paper-fig3.h5 --with paper-bem.h5 --figure printed_fig3",
     ),
 )
 @click.argument(
@@ -42,10 +43,23 @@ from roughbench.text import on_one_line
     help="Draw this figure only, as area, separation, stiffness, spectrum, pressure_pdf or "
     "contact, or that of a Python file: FILE.py:CLASS; repeatable.",
 )
+@click.option(
+    "--with",
+    "others",
+    type=click.Path(path_type=Path),
+    multiple=True,
+    metavar="OTHER",
+    help="Draw the models of these results too, where they are of the same surfaces: exact "
+    "points that were computed apart; repeatable.",
+)
 @debug_option
 @click.pass_context
 def command(
-    ctx: click.Context, results: tuple[Path, ...], folder: Path, wanted: tuple[str, ...]
+    ctx: click.Context,
+    results: tuple[Path, ...],
+    folder: Path,
+    wanted: tuple[str, ...],
+    others: tuple[Path, ...],
 ) -> None:
     """Draw the figures of RESULTS as PDF and PNG.
 
@@ -77,6 +91,8 @@ def command(
             _refuse_to_mix(path, its_folder, figures.drawn_of(its_folder))
     for path, its_folder in zip(results, folders, strict=True):
         loaded = load(path)
+        for other in others:
+            loaded = figures.join(loaded, load(other))
         for name in wanted or figures.available(loaded):
             for file in figures.render(loaded, name, its_folder, path.name):
                 click.echo(file)

@@ -48,7 +48,7 @@ class _Pace:
     """How long the rest takes, by the pace since the first news.
 
     Loops are compiled before that; to count this time would foretell hours. Between news the
-    time left counts down, and it is message only when it has begun to settle.
+    time left counts down, and it is shown only when it has begun to settle.
     """
 
     def __init__(self) -> None:

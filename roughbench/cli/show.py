@@ -32,7 +32,8 @@ def command(results: Path, as_json: bool) -> None:  # noqa: FBT001
     and what is not defined is null. Units stand beside the variables; with units they
     are those of SI.
     """
-    from roughbench.cli.tables import as_text, to_json
+    from roughbench.cli.results_json import to_json
+    from roughbench.cli.tables import as_text
     from roughbench.store import opened
     from roughbench.text import on_one_line
 

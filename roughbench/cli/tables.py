@@ -1,25 +1,17 @@
-"""Results as text: tables for people, JSON and CSV for programs."""
+"""Results as tables for people."""
 
 from __future__ import annotations
 
-import csv
-import io
-import json
 import math
-import re
 import textwrap
 from collections.abc import Iterator, Mapping
-
-import numpy as np
 
 from roughbench.notation import plain
 from roughbench.observables import OBSERVABLES
 from roughbench.observables.described import PREFIX, described
-from roughbench.outputs import Kind
 from roughbench.quantities import PRESSURE, Quantity, compared
-from roughbench.results import MODULUS, Array, Attribute, ModelResult, Results
+from roughbench.results import MODULUS, Attribute, ModelResult, Results
 from roughbench.units import in_words, prefix
-from roughbench.variables import STATES, dimensions
 
 _OF_SURFACE = (
     "surface",
@@ -35,8 +27,6 @@ _OF_SURFACE = (
     "seed",
 )
 _OF_FIELDS = {"dimension", *(name for one in OBSERVABLES.values() for name in one.attributes)}
-TABLE = Kind("table", lambda head, _: re.match(rb"(\w+ \[[^]\n]*\],?)+\n", head) is not None)
-"""CSV: recognized by its first line, which has nothing but names with units."""
 _NOT_OPTIONS = {
     *(*_OF_SURFACE, *_OF_FIELDS),
     *("rms_height", "grid_points", "grid_columns", "warnings", MODULUS),
@@ -189,115 +179,3 @@ def _in_unit(mean: float, sem: float) -> str:
         return _with_error(mean, sem, 1)
     value = f"{mean:10.4g}"
     return value if math.isnan(sem) else f"{value} ± {sem:.2g}"
-
-
-def to_json(results: Results) -> Iterator[str]:
-    """Yield all that a results file holds as strict JSON, piece by piece.
-
-    Infinities become the strings "inf" and "-inf", nan becomes null; all other numbers
-    carry their full precision. No piece is longer than a row of an array.
-    """
-    head = {"name": results.name, "spec": results.spec_text, "spec_sha256": results.spec_sha256}
-    yield "{\n"
-    yield from (f" {_json(key)}: {_json(value)},\n" for key, value in head.items())
-    yield ' "experiments": {'
-    for number, (experiment, models) in enumerate(results.items()):
-        yield f"{',' * (number > 0)}\n  {_json(experiment)}: {{"
-        for place, label in enumerate(models):
-            yield f"{',' * (place > 0)}\n   {_json(label)}: "
-            yield from _model_as_json(models[label])
-        yield "\n  }"
-    yield "\n }\n}"
-
-
-def _model_as_json(result: ModelResult) -> Iterator[str]:
-    head = {
-        "kind": result.kind,
-        "title": result.title,
-        "n_realizations": result.n_realizations,
-        "n_unconverged": result.n_unconverged,
-        "attributes": {name: _json_number(value) for name, value in result.attributes.items()},
-        "units": {name: result.units(name) for name in result},
-    }
-    yield "{\n"
-    yield from (f"    {_json(key)}: {_json(value)},\n" for key, value in head.items())
-    yield '    "variables": {'
-    for number, name in enumerate(result):
-        yield f"{',' * (number > 0)}\n     {_json(name)}: "
-        yield from _json_array(result[name])
-    yield "\n    }\n   }"
-
-
-def _json_array(values: Array) -> Iterator[str]:
-    if values.ndim < 2:
-        row = values.tolist()
-        yield _json(row if np.isfinite(values).all() else [_json_number(v) for v in row])
-        return
-    yield "["
-    for number, row in enumerate(values):
-        yield ",\n      " * (number > 0)
-        yield from _json_array(row)
-    yield "]"
-
-
-def _json(value: object) -> str:
-    return json.dumps(value, ensure_ascii=False, allow_nan=False)
-
-
-def _json_number(value: str | float) -> str | float | None:
-    if isinstance(value, str) or math.isfinite(value):
-        return value
-    return None if math.isnan(value) else str(value)
-
-
-def summary_csv(result: ModelResult) -> str:
-    """Return the averaged curves of one model as CSV, one row a pressure.
-
-    The header names each variable with its unit in brackets: "1" is none, "length" the
-    spec's length unit. Of a spec with units it is that of SI, without prefix.
-    """
-    names = [name for name in result if dimensions(name, result[name].ndim) == ("pressure",)]
-    return _csv(result, {name: result[name] for name in names})
-
-
-def states_csv(result: ModelResult) -> str:
-    """Return every state of one model as CSV, one row a realization and pressure."""
-    n_realizations, n_pressures = result["status"].shape
-    columns = {
-        "realization": np.repeat(np.arange(n_realizations), n_pressures),
-        "pressure": np.tile(result["pressure"], n_realizations),
-    }
-    of_states = [name for name in result if dimensions(name, result[name].ndim) == STATES]
-    columns |= {name: result[name].ravel() for name in of_states}
-    return _csv(result, columns)
-
-
-def observables_csv(result: ModelResult) -> dict[str, str]:
-    """Return the averages of each observable of one model as CSV, by its variable.
-
-    One row a pressure and bin: the place of the value, its mean, standard error, and
-    Persson's theory where it says something.
-    """
-    texts = {}
-    known = [one.variable for one in OBSERVABLES.values()]
-    own = [one.variable for one in described(result.attributes)]
-    for name in dict.fromkeys([*known, *own]):
-        if name in result:
-            places = result[f"{name}_bin"]
-            columns = {
-                "pressure": np.repeat(result["pressure"], places.size),
-                f"{name}_bin": np.tile(places, result["pressure"].size),
-            }
-            for kind in ("mean", "sem", "persson"):
-                if f"{name}_{kind}" in result:
-                    columns[f"{name}_{kind}"] = result[f"{name}_{kind}"].ravel()
-            texts[name] = _csv(result, columns)
-    return texts
-
-
-def _csv(result: ModelResult, columns: dict[str, Array]) -> str:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(f"{name} [{result.units(name)}]" for name in columns)
-    writer.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
-    return text.getvalue()

@@ -10,7 +10,7 @@ import click
 from roughbench.cli.options import debug_option, example
 
 if TYPE_CHECKING:
-    from roughbench.planning.plan import Cell
+    from roughbench.planning.cells import Cell
 
 
 @click.command(

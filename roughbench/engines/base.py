@@ -11,7 +11,7 @@ from typing import Protocol
 from roughbench.engines.compute import compute
 from roughbench.errors import RoughbenchError
 from roughbench.models.compilation import compiling_told
-from roughbench.planning.plan import Block, Task
+from roughbench.planning.tasks import Block, Task
 from roughbench.rundir.checkpoint import Checkpoint
 from roughbench.rundir.usage import Meter, Usage
 from roughbench.source_files import blamed

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from itertools import chain
@@ -11,24 +11,17 @@ from itertools import chain
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from roughbench.engines.blocks import row_of, stacked, stacked_fields
 from roughbench.engines.observing import Observer
 from roughbench.errors import RoughbenchError, SolverError
-from roughbench.models.base import (
-    QUANTITIES,
-    Curve,
-    Fields,
-    FloatArray,
-    Sample,
-    State,
-    Status,
-)
-from roughbench.planning.plan import Block, Task
+from roughbench.models.base import QUANTITIES, Curve, Fields, Sample, State
 from roughbench.planning.samples import make_sample, rms_of
+from roughbench.planning.tasks import Block, Task
 from roughbench.results import Array
 from roughbench.rundir.checkpoint import Checkpoint
 from roughbench.rundir.collected import of_other_variables
 from roughbench.signals import signals_held_back
-from roughbench.variables import FIELD_VARIABLES, bins_of
+from roughbench.variables import bins_of
 
 _FINISHED, _DIAGNOSTICS = "finished.", "diagnostics."
 _OBSERVED, _MODEL = "observed.", "model."
@@ -85,7 +78,7 @@ def compute(
                 raise SolverError(f"{task.only(realization)}: {error}") from error
             rows.append(row)
             kept += [(realization, task.pressures[k], fields[k]) for k in sorted(fields)]
-    return _stacked(rows, bins_of(task.cell.asked.observables)) | _stacked_fields(kept)
+    return stacked(rows, bins_of(task.cell.asked.observables)) | stacked_fields(kept)
 
 
 @contextlib.contextmanager
@@ -119,14 +112,11 @@ def _compute_row(
         tell(pressures.size)
     else:
         curve, observer = _follow(task, sample, observer, checkpoint, tell)
-    row = _row(curve, pressures)
+    row = row_of(curve, pressures)
     row |= observer.finish(row["status"])
     height, slope = rms_of(sample)
     row["rms_height"], row["rms_slope"] = np.array(height), np.array(slope)
     return row, observer.fields
-
-
-# -- state by state ------------------------------------------------------------------------
 
 
 def _follow(
@@ -208,63 +198,3 @@ def _finished_states(arrays: Mapping[str, Array]) -> list[State]:
 def _part(arrays: Mapping[str, Array], part: str) -> dict[str, Array]:
     """Return the arrays of a part of a checkpoint."""
     return {name.removeprefix(part): arrays[name] for name in arrays if name.startswith(part)}
-
-
-# -- rows of the results -------------------------------------------------------------------
-
-
-def _stacked(rows: list[Block], bins: Collection[str]) -> Block:
-    """Return the rows of all realizations in one; the bins are the same for all."""
-    block = {}
-    for name, values in rows[0].items():
-        if name in bins:
-            block[name] = values
-        else:
-            block[name] = np.stack([row[name] for row in rows])
-    return block
-
-
-def _stacked_fields(kept: list[tuple[int, float, Fields]]) -> Block:
-    """Return the fields that are kept, in the order of realizations and pressures."""
-    if not kept:
-        return {}
-    columns = {
-        "field_realization": np.array([r for r, _, _ in kept], dtype=np.int64),
-        "field_nominal_pressure": np.array([p for _, p, _ in kept]),
-        "field_pressure": np.stack([fields.pressure for _, _, fields in kept]),
-        "field_gap": np.stack([fields.gap for _, _, fields in kept]),
-    }
-    return {name: columns[name] for name in FIELD_VARIABLES if name in columns}
-
-
-def _row(curve: Curve, pressures: FloatArray) -> Block:
-    """Return the variables of one curve; what is not finite never passes as converged."""
-    row: dict[str, Array] = {
-        name: np.asarray(value, dtype=np.float64)
-        for name in QUANTITIES
-        if (value := getattr(curve, name)) is not None
-    }
-    diagnostics = {name: _storable(values) for name, values in curve.diagnostics.items()}
-    for name, values in (row | {"status": curve.status} | diagnostics).items():
-        if values.shape != pressures.shape:
-            raise SolverError(
-                f"{name} has shape {values.shape}, the pressures {pressures.shape}"
-            )
-    if not np.array_equal(curve.pressure, pressures):
-        raise SolverError("the curve is not of the pressures that were asked for")
-    lost = ~np.isfinite(row["area"])
-    if "separation" in row:
-        lost = lost | ~np.isfinite(row["separation"])
-    if "stiffness" in row:
-        lost = lost | np.isnan(row["stiffness"])  # inf is full contact
-    converged = curve.status == Status.CONVERGED
-    row["status"] = np.where(lost & converged, Status.NOT_FINITE, curve.status).astype(np.int32)
-    return row | diagnostics
-
-
-def _storable(values: Array) -> Array:
-    """Return a diagnostic in one of the types that the results file knows."""
-    values = np.asarray(values)
-    if values.dtype.kind == "f":
-        return values.astype(np.float64, copy=False)
-    return values.astype(np.int64, copy=False)

@@ -21,8 +21,9 @@ from roughbench.observables import (
     of_fields,
 )
 from roughbench.observables.described import PREFIX, description, is_outside
-from roughbench.planning.plan import Cell, Task
+from roughbench.planning.cells import Cell
 from roughbench.planning.samples import rms_of
+from roughbench.planning.tasks import Task
 from roughbench.results import Array, Attribute
 from roughbench.source_files import blamed
 from roughbench.spec import ScanSurface, SelfAffineSurface

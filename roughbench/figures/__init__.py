@@ -10,7 +10,7 @@
 ...     }
 ... )
 >>> figures.available(results)
-['spectrum', 'area', 'separation', 'stiffness', 'fig3']
+['spectrum', 'area', 'separation', 'stiffness', 'fig3', 'printed_fig3', 'printed_fig4']
 """
 
 from __future__ import annotations
@@ -21,8 +21,18 @@ from pathlib import Path
 from typing import TypeVar
 
 from roughbench.errors import StoreError
-from roughbench.figures import contact, fig3, foundation, measured, spectrum, stiffness
+from roughbench.figures import (
+    contact,
+    fig3,
+    foundation,
+    measured,
+    printed_fig3,
+    printed_fig4,
+    spectrum,
+    stiffness,
+)
 from roughbench.figures.agreement import Agreement, departures
+from roughbench.figures.joined import join
 from roughbench.figures.observed import ObservableFigure, unknown_observables
 from roughbench.figures.quantity import QuantityFigure
 from roughbench.figures.recipe import Recipe, load_figure
@@ -41,6 +51,7 @@ __all__ = [
     "available",
     "departures",
     "drawn_of",
+    "join",
     "recipes_of",
     "render",
 ]
@@ -55,6 +66,8 @@ _PAPER: Mapping[str, Recipe] = {
     "separation": SeparationFigure("separation"),
     "stiffness": stiffness,
     "fig3": fig3,
+    "printed_fig3": printed_fig3,
+    "printed_fig4": printed_fig4,
 }
 _OF_FIELDS: Mapping[str, Recipe] = {
     **{one.variable: ObservableFigure(one) for one in OBSERVABLES.values()},
@@ -65,9 +78,9 @@ _MORE = {name: QuantityFigure(name) for name in compared() if name not in _PAPER
 FIGURES: Mapping[str, Recipe] = Registry(
     "roughbench.figures", {"surface": measured, **_PAPER, **_MORE, **_OF_FIELDS}
 )
-"""Name → recipe: the measured surface; the paper's Figs. 1, 2, 3(a), 3(b), 4, and both halves
-of Fig. 3; further quantities; each observable, and the fields that are kept; those that other
-packages declare."""
+"""Name → recipe: the measured surface; the foundation, Fig. 1 of the paper; the spectrum,
+Fig. 2; area and separation, Fig. 3; the stiffness, Fig. 4; further quantities; each observable,
+and the fields that are kept; those that other packages declare."""
 
 
 def available(results: Results) -> list[str]:

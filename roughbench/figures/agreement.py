@@ -94,7 +94,7 @@ def agreement(
     x = np.log(np.asarray(pressure, float)[known])
     ratio = ratio[known]
     parts = (_part(a, b, factor) for a, b in itertools.pairwise(ratio))
-    start, end = (float(place) for place in widest_run(x, parts, ()))
+    start, end = widest_run(x, parts)
     if math.isnan(start):
         return Agreement(factor, found=False)
     return Agreement(

@@ -1,4 +1,4 @@
-"""Curves over the pressure: the averages that Figs. 3 and 4 draw."""
+"""Curves over the pressure: area and separation as in Fig. 3, stiffness as in Fig. 4."""
 
 from __future__ import annotations
 

@@ -27,6 +27,10 @@ Curves = tuple[FloatArray, FloatArray]
 """Of a model and of the reference, each of shape (B, P)."""
 
 PERCENTS = (10, 50)
+PRESSURE_FACTOR = "pressure_at_separation_factor"
+"""Name of the factor between the pressures at equal mean separation."""
+HEIGHTS = (1, 2, 3)
+"""Mean separations, in own rms heights, at which these pressures are compared one by one."""
 NEARLY_CLOSED = 0.9
 """A/A0 of the reference past which all areas agree, and tell nothing."""
 
@@ -60,6 +64,11 @@ class Comparison:
     def factor(self) -> str:
         """The name of its factor."""
         return f"{self.name}_factor"
+
+    @property
+    def closed(self) -> str:
+        """The name of the number of pressures that its factor leaves out, closed in one."""
+        return f"{self.name}_closed"
 
     @property
     def is_expected(self) -> bool:
@@ -109,7 +118,9 @@ def compare(one: Averages, reference: Averages) -> dict[str, Estimate]:
             curves = _paired(one.means[quantity], reference.means[quantity])
             agreement |= _agreement(comparison, curves, one, reference)
             factors[comparison.factor] = _factor_at_pressure(quantity, one, reference)
-    return agreement | factors
+            if quantity != "area":
+                factors[comparison.closed] = _closed(quantity, one, reference)
+    return agreement | factors | _pressures_at_separation(one, reference)
 
 
 def compare_factors(one: Averages, reference: Averages) -> dict[str, Estimate]:
@@ -148,8 +159,68 @@ def _agreement(
 
 
 def _factor_at_pressure(quantity: str, one: Averages, reference: Averages) -> Estimate:
+    """Return a factor over the pressures at which neither is closed.
+
+    At full contact ū is 0 and K infinite: no factor is, and one closed pressure would decide.
+    """
     curves = _paired(one.in_own_units(quantity), reference.in_own_units(quantity))
-    return _factor(quantity, curves, one, reference)
+    if quantity == "area":
+        return _factor(quantity, curves, one, reference)
+    ours, theirs = curves
+    kept = np.where(_is_closed(ours) != _is_closed(theirs), math.nan, ours)
+    lost = np.isnan(ours).any() or np.isnan(theirs).any()
+    if lost:  # a state is missing, which is something else than closed
+        return _factor(quantity, curves, one, reference)
+    return _factor(quantity, (kept, theirs), one, reference, fewest=FEWEST)
+
+
+def _is_closed(values: FloatArray) -> NDArray[np.bool_]:
+    """Return where ū is 0 or K infinite."""
+    return np.asarray((values == 0.0) | np.isinf(values))
+
+
+def _closed(quantity: str, one: Averages, reference: Averages) -> Estimate:
+    """Return at how many pressures of the region the model alone is closed."""
+    ours, theirs = _paired(one.in_own_units(quantity), reference.in_own_units(quantity))
+    start, end = (np.broadcast_to(x, len(theirs)) for x in reference.linear["stiffness"])
+    chosen = inside(np.log(reference.pressure), start, end)
+    number = (chosen & _is_closed(ours) & ~_is_closed(theirs)).sum(axis=1)
+    counted = np.where(chosen.any(axis=1), number, math.nan).astype(float)
+    return estimate(counted, count=_count(one, reference))
+
+
+def _pressures_at_separation(one: Averages, reference: Averages) -> dict[str, Estimate]:
+    """Return how the pressures at equal ū/h compare, each with its own realized h.
+
+    ū is nearly logarithmic in p: models that are close in ū at equal pressure may need very
+    different pressures for the same ū.
+
+    Returns
+    -------
+    dict of str to Estimate
+        ``pressure_at_separation_factor``, e to the rms of ln of the ratio over the region K ∼ p
+        of the reference, and ``pressure_at_1h``, …, the ratio of model to reference at ū = h.
+    """
+    names = [PRESSURE_FACTOR, *(f"pressure_at_{h}h" for h in HEIGHTS)]
+    if "separation" not in one.given & reference.given:
+        return dict.fromkeys(names, NOT_GIVEN)
+    count = _count(one, reference)
+    at, x = reference.in_own_units("separation"), one.in_own_units("separation")
+    rows = max(len(at), len(x))
+    ours = np.empty((rows, at.shape[1]))
+    ratios = np.empty((rows, len(HEIGHTS)))
+    heights = np.asarray(HEIGHTS, float)
+    for row in range(rows):
+        own, other = x[min(row, len(x) - 1)], at[min(row, len(at) - 1)]
+        ours[row] = interpolate_falling(own, one.pressure, other)
+        ratios[row] = interpolate_falling(own, one.pressure, heights) / interpolate_falling(
+            other, reference.pressure, heights
+        )
+    curves = _paired(ours, np.broadcast_to(reference.pressure, at.shape))
+    found = {PRESSURE_FACTOR: _factor("separation", curves, one, reference, fewest=FEWEST)}
+    for name, column in zip(names[1:], ratios.T, strict=True):
+        found[name] = estimate(column, count=count)
+    return found
 
 
 def _factor(

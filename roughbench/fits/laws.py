@@ -12,10 +12,12 @@ name                        criterion
 ``u0``, ``alpha``,          ū = u0 ln(p0/p), least squares in ln p over the pressures
 ``beta``,                   of that region; α = u0/h_rms, β = p0/E*; with the rms height
 ``alpha_realized``          of the spectrum and of the realized heights
-``u0_from_stiffness``       geometric mean of p⟨1/K⟩ over the region K ∼ p: u0 by eq. (3)
+``u0_from_stiffness``       geometric mean of p⟨1/K⟩ over the region K ∼ p: u0 by eq. (9)
 ``plateau_decades``         width in decades of the widest range on which the slope
                             d ln K/d ln p, over two steps of pressure, stays within
-                            1 ± 0.15
+                            1 ± 0.15; a drift of 15 % per e-fold passes it
+``drift_1``, ``drift_2``,   by which factor K/p changes over 1, 2 and 3 decades where it
+``drift_3``                 changes least, see :mod:`roughbench.fits.drift`: 1 for K ∼ p
 ``exponent``,               n of K ∼ p^n, least squares in ln p over the finite-size
 ``exponent_expected``       region, and 1/(1 + H): the pressures below the region K ∼ p
                             at which K is at least 4 times as large as p would have it,
@@ -37,6 +39,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from roughbench.fits.drift import least_drift
 from roughbench.fits.windows import straight_line, widest_between, widest_flat
 from roughbench.results import Attribute
 
@@ -47,6 +50,7 @@ Fitted = dict[str, tuple[FloatArray, NDArray[np.bool_] | None]]
 AREA_TOLERANCE = 0.1
 STIFFNESS_TOLERANCE = 0.2
 SLOPE_TOLERANCE = 0.15
+DRIFT_DECADES = (1, 2, 3)
 FINITE_SIZE_EXCESS = 4.0
 """Where two laws meet the slope is between theirs: 0.03 above the lower one from here on, if
 their squares add up, and 0.1 at an excess of 2."""
@@ -114,6 +118,8 @@ def fit_laws(
     compliance = _log(pressure / means["stiffness_harmonic"])
     fitted["u0_from_stiffness"] = (np.exp(_mean(compliance, region)), None)
     fitted["plateau_decades"] = _plateau(x, rate)
+    for decades in DRIFT_DECADES:
+        fitted[f"drift_{decades}"] = (least_drift(x, rate, decades), None)
     fitted["alpha"] = (-fall / height, None)
     fitted["alpha_realized"] = (-fall / realized_height, None)
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):

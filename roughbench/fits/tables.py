@@ -6,7 +6,12 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from roughbench.fits.comparisons import PERCENTS, Comparison, comparisons
+from roughbench.fits.comparisons import (
+    PERCENTS,
+    PRESSURE_FACTOR,
+    Comparison,
+    comparisons,
+)
 from roughbench.fits.resampling import MISSING, Estimate
 from roughbench.notation import plain
 from roughbench.quantities import QUANTITIES
@@ -98,7 +103,9 @@ def law_tables(models: Mapping[str, Mapping[str, Estimate]]) -> Iterator[Table]:
         "",
         {
             "K ~ p: decades": "log_decades",
-            "of slope 1": "plateau_decades",
+            "drift over 1 decade": "drift_1",
+            "over 2": "drift_2",
+            "over 3": "drift_3",
             "from p/E*": "log_from",
             "to p/E*": "log_to",
             "α = u0/h_rms": "alpha",
@@ -124,6 +131,7 @@ def law_tables(models: Mapping[str, Mapping[str, Estimate]]) -> Iterator[Table]:
         for one in comparisons()
         if one.is_expected or any(one.factor in names for names in models.values())
     }
+    columns["in p at equal ū/h_rms"] = PRESSURE_FACTOR
     others = {
         label: names
         for label, names in models.items()

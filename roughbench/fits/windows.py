@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable
 
@@ -44,14 +45,68 @@ def widest_between(
     >>> float(start[0]), float(end[0])
     (0.5, 2.5)
     """
-    steps = zip(y[:, :-1].T, y[:, 1:].T, strict=True)
-    return widest_run(x, (part_between(a, b, low, high) for a, b in steps), low.shape)
+    if not x.size:
+        return np.full(low.shape, math.nan), np.full(low.shape, math.nan)
+    columns = np.ascontiguousarray(y.T)
+    levels = [np.ascontiguousarray(level).reshape(-1, len(y)) for level in (low, high)]
+    longest = _Longest(low.size)
+    running, start, end = np.zeros(low.size, bool), np.zeros(low.size), 0.0
+    side = _Sides(columns[0], *levels)
+    for k, (left, right) in enumerate(itertools.pairwise(x)):
+        before, side = side, _Sides(columns[k + 1], *levels)
+        touched = ~((before.below & side.below) | (before.above & side.above))
+        touched &= before.finite & side.finite
+        whole = touched & before.inside & side.inside
+        part, whole = np.flatnonzero(touched & ~whole), whole.reshape(-1)
+        over = np.flatnonzero(running & ~whole)
+        longest.offer(over, start[over], end)
+        # Arithmetic only where a curve passes a level; most steps are all inside or outside.
+        row = part % len(y)
+        low_here, high_here = (level.reshape(-1)[part] for level in levels)
+        first, last, exists = part_between(
+            columns[k, row], columns[k + 1, row], low_here, high_here
+        )
+        part, first, last = part[exists], first[exists], last[exists]
+        begin = left + first * (right - left)
+        begin = np.where(running[part] & (first == 0.0), start[part], begin)
+        longest.offer(part, begin, left + last * (right - left))
+        start[whole & ~running] = left
+        start[part] = begin
+        running, end = whole, left + 1.0 * (right - left)
+        running[part] = last == 1.0
+    over = np.flatnonzero(running)
+    longest.offer(over, start[over], end)
+    return longest.start.reshape(low.shape), longest.end.reshape(low.shape)
 
 
-def widest_run(
-    x: FloatArray, parts: Iterable[Part], shape: tuple[int, ...]
-) -> tuple[FloatArray, FloatArray]:
-    """Return the widest interval that consists of parts of neighbouring steps.
+class _Sides:
+    """On which side of its levels each curve is at one place."""
+
+    def __init__(self, y: FloatArray, low: FloatArray, high: FloatArray) -> None:
+        self.finite = np.isfinite(y)
+        with np.errstate(invalid="ignore"):
+            self.below, self.above = y < low, y > high
+        self.inside = ~(self.below | self.above)
+
+
+class _Longest:
+    """The longest of the intervals that were offered for each curve; nan before the first."""
+
+    def __init__(self, size: int) -> None:
+        self.start, self.end = np.full(size, math.nan), np.full(size, math.nan)
+        self._width = np.full(size, -1.0)
+
+    def offer(self, at: NDArray[np.intp], start: FloatArray, end: FloatArray | float) -> None:
+        """Take the intervals, of these curves, that are longer."""
+        width = end - start
+        longer = width > self._width[at]
+        at = at[longer]
+        self._width[at], self.start[at] = width[longer], start[longer]
+        self.end[at] = np.broadcast_to(end, width.shape)[longer]
+
+
+def widest_run(x: FloatArray, parts: Iterable[Part]) -> tuple[float, float]:
+    """Return the widest interval that consists of parts of neighbouring steps of a curve.
 
     Parameters
     ----------
@@ -59,25 +114,21 @@ def widest_run(
         Ascending.
     parts : iterable of Part
         One for each of the P - 1 steps between them.
-    shape : tuple of int
-        Of the arrays in a part.
 
     Returns
     -------
-    (ndarray of float64, ndarray of float64)
-        Both ends, of this shape; nan where there is no such part.
+    (float, float)
+        Both ends; nan where there is no such part.
     """
-    best_start, best_end = np.full(shape, math.nan), np.full(shape, math.nan)
-    best = np.full(shape, -1.0)
-    start, running = np.zeros(shape), np.zeros(shape, bool)
-    for left, right, (first, last, exists) in zip(x[:-1], x[1:], parts, strict=True):
-        start = np.where(running & (first == 0.0), start, left + first * (right - left))
-        end = left + last * (right - left)
-        better = exists & (end - start > best)
-        best = np.where(better, end - start, best)
-        best_start = np.where(better, start, best_start)
-        best_end = np.where(better, end, best_end)
-        running = exists & (last == 1.0)
+    best, best_start, best_end = -1.0, math.nan, math.nan
+    start, running = 0.0, False
+    for (left, right), (first, last, exists) in zip(itertools.pairwise(x), parts, strict=True):
+        if not (running and first == 0.0):
+            start = left + first.item() * (right - left)
+        end = left + last.item() * (right - left)
+        if exists and end - start > best:
+            best, best_start, best_end = end - start, start, end
+        running = bool(exists and last == 1.0)
     return best_start, best_end
 
 

@@ -24,7 +24,6 @@ from roughbench.errors import SolverError
 from roughbench.models._gaussian_excess import Weight, log_excess
 from roughbench.models.base import CompleteCurve, FloatArray, Status
 
-_ORDERS = (1.5, 1.0, 0.5, 2.5)
 _STEPS = 200
 _ENOUGH = 1e-14
 

@@ -220,7 +220,7 @@ def _damping(x: FloatArray, gamma: float) -> FloatArray:
 
 @dataclass(frozen=True, slots=True)
 class Asymptotes:
-    r"""The laws of low pressure, eqs. (2), (3) and (9) of the 2013 paper.
+    r"""The laws of low pressure: separation, eq. (2), area, eq. (3), stiffness, eq. (9).
 
     .. math:: \bar u = \alpha h \ln\frac{\beta E^*}{p}, \qquad
               K = \frac{p}{\alpha h}, \qquad
@@ -252,11 +252,11 @@ class Asymptotes:
         return self.alpha * self.rms_height * np.log(self.beta / p)
 
     def stiffness(self, pressures: ArrayLike) -> FloatArray:
-        """Return K by eq. (3), E*/length, at the pressures p/E*."""
+        """Return K by eq. (9), E*/length, at the pressures p/E*."""
         return np.asarray(pressures, float) / (self.alpha * self.rms_height)
 
     def area(self, pressures: ArrayLike) -> FloatArray:
-        """Return A/A0 by eq. (9) at the pressures p/E*."""
+        """Return A/A0 by eq. (3) at the pressures p/E*."""
         return self.kappa * np.asarray(pressures, float) / self.rms_slope
 
 

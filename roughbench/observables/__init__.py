@@ -78,14 +78,16 @@ OBSERVABLES: Mapping[str, Observable] = Registry(
 """Name → observable, a function of a field; other packages declare theirs as entry points."""
 
 
-class _State(Protocol):
+class SolvedState(Protocol):
+    """What a function of fields needs to know of a state."""
+
     @property
     def pressure(self) -> NDArray[np.float64]: ...
     @property
     def gap(self) -> NDArray[np.float64]: ...
 
 
-def of_state(state: _State, length: float, units: Units, modulus: float = 1.0) -> Field:
+def of_state(state: SolvedState, length: float, units: Units, modulus: float = 1.0) -> Field:
     """Return the field of a state that :func:`roughbench.solve_contact` found.
 
     Parameters

@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 
 from roughbench.errors import RoughbenchError
 from roughbench.memory import available_memory, gigabytes
-from roughbench.planning.plan import NOTHING, Cell, Task
+from roughbench.planning.cells import NOTHING, Cell
+from roughbench.planning.tasks import Task
 
 GRID_FOR_ALL_CORES = 1536
 """Points per side from which one task with all cores beats several with one each."""

@@ -11,18 +11,19 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from roughbench import __version__
 from roughbench.figures.axes import axes_of
-from roughbench.numbers import measured, number
+from roughbench.numbers import number
 from roughbench.report.curves import pressure_charts
 from roughbench.report.maps import COLOURS, MOST_MAPS, field_maps, n_fields
 from roughbench.report.observables import drawn_pressures, observable_charts, pressure_key
 from roughbench.report.pictures import MOST_POINTS
 from roughbench.report.sources import ReportSource, places
 from roughbench.report.styles import PageStyle, experiment_dashes, page_styles
-from roughbench.report.surfaces import HEIGHT_COLOURS, surface_sections, synthetic_table
+from roughbench.report.surface_tables import synthetic_table
+from roughbench.report.surfaces import HEIGHT_COLOURS, surface_sections
 from roughbench.report.tables import compared, fit_tables, model_table
 from roughbench.report.text import from_notation, from_remedy, plain, without_folders
 from roughbench.report.trust import trust_tables
-from roughbench.report.verdicts import by_outcome, numbered
+from roughbench.report.verdicts import by_outcome, measured_value, numbered
 from roughbench.report.warnings import ABOUT, Remark, remarks
 from roughbench.store import FORMAT_VERSION
 from roughbench.verdict import FittedExperiment, Verdict, trust_of
@@ -68,7 +69,8 @@ def render(
             format_version=FORMAT_VERSION,
             resamples=resamples,
             compared=compared(sources),
-            n_claims=len(verdicts),
+            n_claims=sum(one.group in ("", "paper") for one in verdicts),
+            n_ours=sum(one.group in ("explanation", "beyond") for one in verdicts),
             verdicts=by_outcome(verdicts),
             contenders=numbered(contenders, len(verdicts) + 1),
             trusts=list(trust_tables(sources, trust_of(experiments))),
@@ -102,7 +104,7 @@ def load_templates() -> Environment:
     environment.filters |= {
         "from_notation": from_notation,
         "from_remedy": from_remedy,
-        "measured": measured,
+        "measured_value": measured_value,
         "number": number,
         "plain": plain,
         "pressure_key": pressure_key,

@@ -10,7 +10,7 @@ from pathlib import PurePosixPath
 from roughbench.figures.axes import axes_of
 from roughbench.fits import Estimate
 from roughbench.fits.tables import Table, departure_tables, law_tables
-from roughbench.numbers import measured, number, series
+from roughbench.numbers import is_lopsided, measured, number, series, with_interval
 from roughbench.report.sources import ReportSource
 from roughbench.report.text import RichText, Span, from_heading, joined, without_folders
 from roughbench.results import MODULUS, ModelResult
@@ -175,6 +175,8 @@ def _range(ends: Sequence[Estimate]) -> TableCell:
 def _cell(found: Estimate) -> str:
     if not found.is_given:
         return "not given"
+    if not found.bound and is_lopsided(found.value, found.low, found.high):
+        return with_interval(found.value, found.low, found.high)
     return measured(found.value, math.nan if found.bound else found.error, found.bound)
 
 

@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from roughbench.verdict import Outcome, Verdict
+from roughbench.numbers import with_interval
+from roughbench.verdict import Measurement, Outcome, Verdict
+
+
+def measured_value(found: Measurement) -> str:
+    """Return a measured number after its bound, with its interval."""
+    text = with_interval(found.value, found.low, found.high)
+    return f"{found.bound} {text}" if found.bound and math.isfinite(found.value) else text
+
 
 MOST_OPEN = 12
 """Measurements of a claim that are shown at once; longer lists unfold."""

@@ -8,8 +8,9 @@ which only costs time.
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Any
@@ -93,3 +94,11 @@ class Checkpoint:
         """Remove the file, if there is one."""
         with contextlib.suppress(OSError):
             self.path.unlink()
+
+
+def checkpoint_name(
+    key: str, realization: int, pressures: Sequence[float], kept: Sequence[float]
+) -> str:
+    """Return the name of the file for a realization at these pressures, with kept fields."""
+    content = hashlib.sha256(np.array([*pressures, *kept], np.float64).tobytes())
+    return f"{key}-{realization}-{content.hexdigest()[:12]}.npz"

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roughbench.models.base import FloatArray, IntArray
-from roughbench.planning.plan import Block, Cell
+from roughbench.planning.cells import Cell
+from roughbench.planning.tasks import Block
 from roughbench.results import Array
 from roughbench.variables import FIELD_VARIABLES, dimensions
 

@@ -17,33 +17,24 @@ is published in one step and carries its checksum.
 from __future__ import annotations
 
 import contextlib
-import hashlib
-import json
 import os
-import platform
 import shutil
-import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
-import numpy as np
-
-from roughbench.errors import LockedError, StoreError, explained
-from roughbench.locks import open_lock, try_lock
-from roughbench.planning.plan import Block, Task
-from roughbench.publish import commit, refusals_named, remove_leftovers, temporary_of
-from roughbench.rundir.checkpoint import Checkpoint
+from roughbench.errors import StoreError, explained
+from roughbench.planning.tasks import Block, Task
+from roughbench.publish import refusals_named, remove_leftovers, temporary_of
+from roughbench.rundir.checkpoint import Checkpoint, checkpoint_name
 from roughbench.rundir.identity import Identity, key_of
-from roughbench.rundir.journal import log
-from roughbench.rundir.mark import mark
+from roughbench.rundir.lock import FolderLock
+from roughbench.rundir.notes import read_note, write_note
 from roughbench.rundir.shards import Shard, read_identity, read_shard, write_shard
-from roughbench.rundir.usage import Usage, now
+from roughbench.rundir.usage import Usage
 from roughbench.seal import sha256_of
 
 SUFFIX = ".rbrun"
-_TRIES, _PAUSE, _GLANCE = 6, 0.1, 0.01
-_CHECKSUM = "sha256"
 
 
 def folder_of(results: str | os.PathLike[str]) -> Path:
@@ -71,11 +62,10 @@ class RunFolder:
         self.results = Path(results)
         self.path = folder_of(results)
         self.log = self.path / "run.log"
+        self._lock = FolderLock(self.path)
         self._shards = self.path / "shards"
         self._checkpoints = self.path / "checkpoints"
         self._set_aside = self.path / "set-aside"
-
-    # -- one run at a time -----------------------------------------------------------------
 
     @contextlib.contextmanager
     def locked(self, command: str) -> Iterator[None]:
@@ -89,11 +79,10 @@ class RunFolder:
             If it cannot be made or written, or is a folder of somebody else.
         """
         try:
-            file = self._lock()
-            self._write_holder(file, command)
+            file = self._lock.take(command)
             for folder in (self._shards, self._checkpoints):
                 folder.mkdir(exist_ok=True)
-            with contextlib.suppress(FileNotFoundError):  # too long a path is message now
+            with contextlib.suppress(FileNotFoundError):  # too long a path is said now
                 temporary_of(self._shards / ("0" * 20) / f"000000-000000.{'0' * 16}.npz").stat()
         except OSError as error:
             raise StoreError(
@@ -107,73 +96,15 @@ class RunFolder:
                 file.truncate(0)
             file.close()
 
-    def _lock(self) -> IO[str]:
-        self.path.mkdir(exist_ok=True)
-        mark(self.path)
-        path = self.path / "lock"
-        for attempt in range(_TRIES):
-            time.sleep(_PAUSE * (attempt > 0))
-            file = os.fdopen(open_lock(path), "r+", encoding="utf-8")
-            try:
-                held = try_lock(file.fileno())
-                if held is None:
-                    log.warning(
-                        "the file system of %s knows no locks: a second run with the same "
-                        "output would not be kept out; start none while this one works",
-                        self.path,
-                    )
-                    return file
-                # Another process may have removed the folder between open and lock.
-                if held and os.fstat(file.fileno()).st_ino == path.stat().st_ino:
-                    return file
-            except BaseException:
-                file.close()
-                raise
-            file.close()  # of a run, or of someone who only looks who is there
-        raise LockedError(self._locked_message())
-
-    def _write_holder(self, file: IO[str], command: str) -> None:
-        holder = {
-            "process": os.getpid(),
-            "host": platform.node(),
-            "since": now(),
-            "command": command,
-        }
-        file.truncate(0)
-        file.write(json.dumps(holder))
-        file.flush()
-
-    def _locked_message(self) -> str:
-        holder = self.holder()
-        who = "another run"
-        if holder:
-            who = (
-                f"process {holder.get('process')} on {holder.get('host')} since "
-                f"{holder.get('since')} ({holder.get('command')})"
-            )
-        return (
-            f"{self.path} is locked by {who}; wait for it or stop it, or choose another "
-            "results file with -o"
-        )
-
     def holder(self) -> dict[str, Any]:
         """Return what the run in the folder says of itself; empty for none."""
-        with contextlib.suppress(OSError, ValueError), (self.path / "lock").open() as file:
-            for attempt in range(_TRIES):  # who only looks, as here, has it for a moment
-                time.sleep(_GLANCE * (attempt > 0))
-                if try_lock(file.fileno()) is not False:
-                    return {}
-            found = json.loads(file.read() or "{}")
-            return found if isinstance(found, dict) and found else {"process": "?"}
-        return {}
+        return self._lock.holder()
 
     def _remove_leftovers(self) -> None:
         remove_leftovers(self.results)
         with contextlib.suppress(OSError):
             for leftover in self.path.rglob(".*.tmp"):
                 leftover.unlink()
-
-    # -- shards ----------------------------------------------------------------------------
 
     def computations(self) -> list[str]:
         """Return the keys of all identities that the folder has shards of."""
@@ -240,18 +171,16 @@ class RunFolder:
         """Bytes in all of its files."""
         return sum(path.stat().st_size for path in self.path.rglob("*") if path.is_file())
 
-    # -- the rest --------------------------------------------------------------------------
-
     def checkpoint(self, task: Task, key: str) -> Checkpoint:
         """Return the checkpoint of a task of one realization."""
         first = task.realizations[0]
-        name = _checkpoint_name(key, first, task.pressures, task.kept(first))
+        name = checkpoint_name(key, first, task.pressures, task.kept(first))
         return Checkpoint(self._checkpoints.absolute() / name)
 
     def drop_checkpoints(self, key: str, shards: Sequence[Shard]) -> None:
         """Remove what a kill has left of tasks that are committed."""
         committed = {
-            _checkpoint_name(
+            checkpoint_name(
                 key,
                 shard.realizations[0],
                 shard.pressures.tolist(),
@@ -270,15 +199,15 @@ class RunFolder:
 
     def write_request(self, request: dict[str, Any]) -> None:
         """Note what the run was asked for, for ``status``."""
-        _write_json(request, self.path / "run.json")
+        write_note(request, self.path / "run.json")
 
     def write_provenance(self, provenance: dict[str, Any]) -> None:
         """Note where the results file comes from."""
-        _write_json(provenance, self.path / "provenance.json")
+        write_note(provenance, self.path / "provenance.json")
 
     def request(self) -> dict[str, Any]:
         """Return what the last run was asked for; empty if nobody knows."""
-        return _json(self.path / "run.json")
+        return read_note(self.path / "run.json")
 
     def has_its_results(self) -> bool:
         """Whether the results file is there, and the one that the last run has written."""
@@ -290,32 +219,7 @@ class RunFolder:
 
     def provenance(self) -> dict[str, Any]:
         """Return where the results file comes from; empty if nobody knows."""
-        return _json(self.path / "provenance.json")
-
-
-def _checkpoint_name(
-    key: str, realization: int, pressures: Sequence[float], kept: Sequence[float]
-) -> str:
-    content = hashlib.sha256(np.array([*pressures, *kept], np.float64).tobytes())
-    return f"{key}-{realization}-{content.hexdigest()[:12]}.npz"
-
-
-def _write_json(content: dict[str, Any], path: Path) -> None:
-    sealed = content | {_CHECKSUM: _checksum(content)}
-    commit(json.dumps(sealed, indent=1).encode(), path)
-
-
-def _json(path: Path) -> dict[str, Any]:
-    """Return the content of a file; empty if it is missing or not as it was written."""
-    with contextlib.suppress(OSError, ValueError, RecursionError):
-        found = json.loads(path.read_bytes())
-        if isinstance(found, dict) and found.pop(_CHECKSUM, "") == _checksum(found):
-            return found
-    return {}
-
-
-def _checksum(content: dict[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+        return read_note(self.path / "provenance.json")
 
 
 def _entries(folder: Path) -> list[Path]:

@@ -21,7 +21,7 @@ from pathlib import Path
 import roughbench.observables
 from roughbench.models.base import Model
 from roughbench.observables import OBSERVABLES, Observable
-from roughbench.planning.plan import Cell
+from roughbench.planning.cells import Cell
 from roughbench.planning.samples import draws_lines
 from roughbench.public import LAZY
 from roughbench.quantities import QUANTITIES
@@ -195,9 +195,8 @@ def _files_of(observable: Observable) -> list[Path]:
 def assembly_digest() -> str:
     """Return a digest of what the source files compute that make a results file of shards."""
     names = ["ensemble", "quantities", "results", "store", "variables", "spectrum"]
-    names += ["runner/assemble", "rundir/collected", "planning/samples", "planning/measured"]
-    paths = [_PACKAGE / f"{name}.py" for name in names]
-    texts = [path.read_text(encoding="utf-8") for path in paths]
+    names += ["runner.assemble", "rundir.collected", "planning.samples", "planning.measured"]
+    texts = [text for name in names for text in _unit(name).values()]
     described = [repr(quantity) for quantity in QUANTITIES.values()]  # of other packages too
     return _together(
         [*map(source.digest, texts), *described, observing_digest((*OBSERVABLES.values(),))]
@@ -218,9 +217,13 @@ def _own_files(model: type[Model]) -> dict[str, str]:
 
 
 def _unit(name: str) -> dict[str, str]:
-    """Return the texts of a module of roughbench, or of the whole package it stands in."""
+    """Return the texts of a module of roughbench, or of the whole package it stands in.
+
+    Of a package with all that is below it: the loops of the exact solver stand in a folder of
+    their own.
+    """
     parts = name.split(".")
     folder = _PACKAGE.joinpath(*parts[:2])
-    paths = sorted(folder.glob("*.py")) if folder.is_dir() else [folder.with_suffix(".py")]
+    paths = sorted(folder.rglob("*.py")) if folder.is_dir() else [folder.with_suffix(".py")]
     texts = {path: path.read_text(encoding="utf-8") for path in paths}
     return {path.relative_to(_PACKAGE.parent).as_posix(): text for path, text in texts.items()}

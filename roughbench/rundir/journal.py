@@ -13,7 +13,7 @@ import numpy as np
 from roughbench.errors import StoreError, explained
 from roughbench.models.base import Status
 from roughbench.outputs import Kind
-from roughbench.planning.plan import Block, Task
+from roughbench.planning.tasks import Block, Task
 from roughbench.rundir.usage import Usage
 
 log = logging.getLogger("roughbench.run")

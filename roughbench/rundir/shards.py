@@ -23,7 +23,7 @@ import numpy as np
 
 from roughbench.errors import StoreError, explained
 from roughbench.models.base import FloatArray
-from roughbench.planning.plan import Block, Task
+from roughbench.planning.tasks import Block, Task
 from roughbench.publish import put, written
 from roughbench.results import Array
 from roughbench.rundir.archive import write_arrays

@@ -12,10 +12,14 @@ from roughbench.planning.plan import check, plan, warnings
 from roughbench.planning.resources import available_cores
 from roughbench.planning.samples import make_sample
 from roughbench.rundir.folder import folder_of
-from roughbench.runner.driver import preview, run, run_to_file
-from roughbench.runner.inspection import Account, RunState, accounts, clean, status, verify
+from roughbench.runner.cleaning import clean
+from roughbench.runner.driver import run, run_to_file
+from roughbench.runner.dry_run import preview
+from roughbench.runner.inspection import RunState, status
 from roughbench.runner.overview import PlanRow
 from roughbench.runner.progress import Progress, ProgressListener
+from roughbench.runner.provenance import Account, accounts
+from roughbench.runner.verification import verify
 
 __all__ = [
     "Account",

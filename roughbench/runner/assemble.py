@@ -7,8 +7,9 @@ import numpy as np
 from roughbench.engines import observing
 from roughbench.ensemble import STATISTICS, harmonic_mean, summarize
 from roughbench.models.base import Status
-from roughbench.planning.plan import Block, Cell
+from roughbench.planning.cells import Cell
 from roughbench.planning.samples import describe
+from roughbench.planning.tasks import Block
 from roughbench.quantities import QUANTITIES
 from roughbench.results import Array, ModelResult
 from roughbench.variables import dimensions

@@ -1,26 +1,22 @@
-"""Run directories from outside: how far they are, whether they are sound, and their end."""
+"""Run directories from outside: where they are, and how far."""
 
 from __future__ import annotations
 
 import os
-import shutil
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from roughbench.errors import RoughbenchError, StoreError
+from roughbench.errors import RoughbenchError
 from roughbench.planning.plan import check, plan
 from roughbench.planning.resources import ResourceLimits, resource_limits
 from roughbench.program import command, program
 from roughbench.rundir.folder import SUFFIX, RunFolder
-from roughbench.rundir.mark import check_marked
-from roughbench.rundir.shards import ShardError
 from roughbench.runner.overview import PlanRow, overview
 from roughbench.runner.scan import CellState, scan
 from roughbench.runner.selection import select
 from roughbench.spec import Spec, load_spec, parse_spec
-from roughbench.store import opened, whose
+from roughbench.store import whose
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +116,7 @@ def status(path: str | os.PathLike[str]) -> RunState:
     limits, cell_states = _cell_states(folder, request)
     holder = folder.holder()
     tasks = select(cell_states, (), parts=limits.parts)
-    note = _fault_of_results(folder) if not tasks else ""
+    note = fault_of_results(folder) if not tasks else ""
     complete = not tasks and not note
     return RunState(
         results=folder.results,
@@ -134,7 +130,7 @@ def status(path: str | os.PathLike[str]) -> RunState:
     )
 
 
-def _fault_of_results(folder: RunFolder) -> str:
+def fault_of_results(folder: RunFolder) -> str:
     """Return why the results file is not that of the run, though all is computed."""
     path = folder.results
     if folder.has_its_results():
@@ -148,145 +144,6 @@ def _fault_of_results(folder: RunFolder) -> str:
     return f"{path}: {fault}; the same command writes it again from the shards"
 
 
-def verify(path: str | os.PathLike[str]) -> tuple[int, list[str]]:
-    """Read every shard at ``path``, and the results file, and check them.
-
-    Returns
-    -------
-    (int, list of str)
-        How many files are sound, and what is wrong with the others; nothing is changed.
-
-    Raises
-    ------
-    RoughbenchError
-        If there is no run there.
-    """
-    folder = find(path)
-    found = [*_shards_checked(folder), *_notes_checked(folder), *_results_checked(folder)]
-    faults = [fault for fault in found if fault]
-    return len(found) - len(faults), faults
-
-
-def _shards_checked(folder: RunFolder) -> Iterator[str]:
-    """Yield for each shard what is wrong with it; nothing if it is sound."""
-    try:
-        keys = folder.computations()
-    except StoreError as error:
-        yield str(error)
-        return
-    for key in keys:
-        try:
-            shards = folder.shards(key)
-        except StoreError as error:
-            yield str(error)
-            continue
-        for shard in shards:
-            try:
-                folder.read(shard)
-                yield ""
-            except ShardError as error:
-                yield f"{error}; the next run computes it again"
-
-
-def _notes_checked(folder: RunFolder) -> Iterator[str]:
-    """Yield what is wrong with what the runs have noted; sound notes are not counted."""
-    for name, content in (
-        ("run.json", folder.request()),
-        ("provenance.json", folder.provenance()),
-    ):
-        path = folder.path / name
-        if path.exists() and not content:
-            yield f"{path}: is damaged; the next run writes it again"
-
-
-def _results_checked(folder: RunFolder) -> Iterator[str]:
-    """Yield what is wrong with the results file, if it is there; nothing if it is sound."""
-    if not folder.results.exists():
-        return
-    try:
-        with opened(folder.results):
-            known = bool(folder.provenance())
-        yield _fault_of_results(folder) if known else ""
-    except StoreError as error:
-        yield str(error)
-
-
-def clean(path: str | os.PathLike[str], *, unused: bool = False) -> int:
-    """Remove the run directory at ``path``; the results file stays.
-
-    Parameters
-    ----------
-    path : path
-    unused : bool
-        Remove only shards that the last run did not need: of parameters that have changed
-        since, and those set aside.
-
-    Returns
-    -------
-    int
-        Bytes that were freed.
-
-    Raises
-    ------
-    LockedError
-        If a run is in it.
-    RoughbenchError
-        If there is no run there, or a folder that is no run directory.
-    """
-    folder = find(path)
-    check_marked(folder.path)
-    with folder.locked("roughbench clean"):
-        before = folder.size()
-        if not unused:
-            shutil.rmtree(folder.path.resolve())
-            if folder.path.is_symlink():
-                folder.path.unlink()
-            return before
-        needed = _needed(folder)
-        for key in {*folder.computations(), *folder.unfinished()} - needed:
-            folder.forget(key)
-        folder.forget_set_aside()
-        return before - folder.size()
-
-
-@dataclass(frozen=True, slots=True)
-class Account:
-    """What a run has made of one model, and what that took.
-
-    Attributes
-    ----------
-    name : str
-        Such as ``main/bem``.
-    realizations, pressures : int
-    states, unconverged : int
-        How many states there are, and how many of them did not converge.
-    seconds : float
-        Of all tasks.
-    memory : int
-        Most bytes of one task.
-    """
-
-    name: str
-    realizations: int
-    pressures: int
-    states: int
-    unconverged: int
-    seconds: float
-    memory: int
-
-
-def accounts(results: str | os.PathLike[str]) -> list[Account]:
-    """Return what the run behind a results file has made, model by model.
-
-    Empty where no run directory tells. A file of many models takes long to look through.
-    """
-    models = RunFolder(results).provenance().get("models", {})
-    numbers = ("realizations", "pressures", "states", "unconverged", "seconds", "peak_memory")
-    return [
-        Account(name, *(model[number] for number in numbers)) for name, model in models.items()
-    ]
-
-
 def _cell_states(
     folder: RunFolder, request: dict[str, Any]
 ) -> tuple[ResourceLimits, list[CellState]]:
@@ -295,18 +152,6 @@ def _cell_states(
     check(cells)
     limits = resource_limits(jobs=None)
     return limits, scan(cells, limits, folder, threads=_threads(request))
-
-
-def _needed(folder: RunFolder) -> set[str]:
-    """Return the keys of the shards that the last run needed.
-
-    As it noted them: what its spec would need now may be something else, after a change of
-    the code or of heights in a file.
-    """
-    keys = folder.request().get("keys")
-    if not isinstance(keys, list):
-        raise RoughbenchError(_unknown(folder))
-    return {str(key) for key in keys}
 
 
 def _threads(request: dict[str, Any]) -> dict[str, int]:
@@ -318,11 +163,12 @@ def _threads(request: dict[str, Any]) -> dict[str, int]:
 
 def _requested(folder: RunFolder, request: dict[str, Any]) -> Spec:
     if not isinstance(request.get("spec"), str):
-        raise RoughbenchError(_unknown(folder))
+        raise RoughbenchError(unknown_request(folder))
     return parse_spec(request["spec"], folder=request.get("folder", "."))
 
 
-def _unknown(folder: RunFolder) -> str:
+def unknown_request(folder: RunFolder) -> str:
+    """Say that nobody knows what a run was to compute."""
     return (
         f"{folder.path}: run.json is missing or damaged, which says what the run was to "
         "compute; the next run writes it again"

@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterator, Sequence
 
 from roughbench.engines.base import TaskOutcome
 from roughbench.errors import IncompleteError, RoughbenchError, StoreError
-from roughbench.planning.plan import Cell, Task
+from roughbench.planning.cells import Cell
+from roughbench.planning.tasks import Task
 from roughbench.rundir.checkpoint import Checkpoint
 from roughbench.rundir.folder import RunFolder
 from roughbench.rundir.journal import log, log_task

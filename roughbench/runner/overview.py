@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from roughbench.planning.plan import Cell, Task
+from roughbench.planning.cells import Cell
 from roughbench.planning.resources import assembly_memory, memory_of
+from roughbench.planning.tasks import Task
 from roughbench.rundir.folder import RunFolder
 from roughbench.rundir.shards import realizations_of
 from roughbench.runner.scan import CellState

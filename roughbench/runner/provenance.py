@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import os
 import subprocess
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
+from roughbench.rundir.folder import RunFolder
 from roughbench.rundir.identity import assembly_digest
 from roughbench.rundir.usage import machine, now
 from roughbench.runner.scan import CellState
@@ -104,3 +107,54 @@ def _git_commit() -> str:
         if found.returncode == 0:
             return found.stdout.strip()
     return ""
+
+
+def request_of(spec: Spec, cell_states: Sequence[CellState], command: str) -> dict[str, object]:
+    """Return what a run was asked for, for ``status`` and ``clean``."""
+    return {
+        "spec": spec.text,
+        "name": spec.name,
+        "folder": str(spec.folder.absolute()),
+        "spec_sha256": spec.sha256,
+        "command": command,
+        "threads": {str(cell_state.cell): cell_state.threads for cell_state in cell_states},
+        "keys": sorted({cell_state.key for cell_state in cell_states}),
+    }
+
+
+@dataclass(frozen=True, slots=True)
+class Account:
+    """What a run has made of one model, and what that took.
+
+    Attributes
+    ----------
+    name : str
+        Such as ``main/bem``.
+    realizations, pressures : int
+    states, unconverged : int
+        How many states there are, and how many of them did not converge.
+    seconds : float
+        Of all tasks.
+    memory : int
+        Most bytes of one task.
+    """
+
+    name: str
+    realizations: int
+    pressures: int
+    states: int
+    unconverged: int
+    seconds: float
+    memory: int
+
+
+def accounts(results: str | os.PathLike[str]) -> list[Account]:
+    """Return what the run behind a results file has made, model by model.
+
+    Empty where no run directory tells. A file of many models takes long to look through.
+    """
+    models = RunFolder(results).provenance().get("models", {})
+    numbers = ("realizations", "pressures", "states", "unconverged", "seconds", "peak_memory")
+    return [
+        Account(name, *(model[number] for number in numbers)) for name, model in models.items()
+    ]

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import asdict
 
 import numpy as np
 
+from roughbench.planning.cells import Cell
 from roughbench.planning.measured import Heights, prepared_scan
-from roughbench.planning.plan import Cell
 from roughbench.spec import ScanSurface
 from roughbench.surface_record import MOST_POINTS, RecordedStep, SurfaceRecord
 
@@ -40,29 +39,28 @@ def record(surface: ScanSurface, known: Heights) -> SurfaceRecord:
     """Return the record of one scan, as it is pressed.
 
     The spectrum and its fit are those of :func:`~roughbench.scans.characterize`: of the scan
-    before its borders were made to meet.
+    before its borders were made to meet. The plan has prepared and checked the scan.
     """
-    from roughbench.scans.characterization import characterize  # SciPy is slow to import
+    # SciPy is slow to import
+    from roughbench.scans.characterization import directions
+    from roughbench.scans.levelling import level
+    from roughbench.scans.roughness import roughness
+    from roughbench.scans.self_affine_fit import fit_self_affine
 
     prepared = prepared_scan(surface, known)
-    heights, said = prepared.heights, surface.preparation()
+    heights = prepared.heights
     rows, columns = heights.shape
+    size = prepared.length, prepared.length * columns / rows
     stride = -(-max(rows, columns) // MOST_POINTS)
-    found = characterize(
-        prepared.raw,
-        detrend=said.detrend or "mean",
-        fill=said.fill,
-        edges=said.edges,
-        outliers=said.outliers,
-        resample=said.resample,
-        accept=[*(surface.accept or ()), *(doubt.check for doubt in known.doubts)],
-    )
-    spectrum = found.surface.binned()
+    spectrum = level(prepared.raw, surface.preparation()).surface_spectrum()
+    found = fit_self_affine(spectrum, "m")
+    spectrum = spectrum.binned()
     density, ends = np.histogram(heights, bins=_BINS, density=True)
-    numbers = asdict(found.prepared)
+    numbers = roughness(heights, size)
+    spoken = dict.fromkeys((*prepared.raw.notes, *directions(numbers), *found.remarks))
     return SurfaceRecord(
         heights=np.ascontiguousarray(heights[::stride, ::stride]),
-        size=(prepared.length, prepared.length * columns / rows),
+        size=size,
         spectrum=(spectrum.q, spectrum.power),
         fit=None if found.fit is None else found.fit.to_dict(),
         height_density=((ends[1:] + ends[:-1]) / 2.0, density),
@@ -70,7 +68,7 @@ def record(surface: ScanSurface, known: Heights) -> SurfaceRecord:
             RecordedStep(step.name, step.text, step.points, step.Sq, step.Sdq)
             for step in prepared.steps
         ),
-        parameters={name: float(numbers[name]) for name in _NUMBERS},
-        warnings=(*(doubt.text for doubt in known.doubts), *found.warnings),
+        parameters={name: float(getattr(numbers, name)) for name in _NUMBERS},
+        warnings=(*(doubt.text for doubt in known.doubts), *spoken),
         source=surface.path,
     )

@@ -9,12 +9,14 @@ from typing import Any
 import numpy as np
 
 from roughbench.errors import RoughbenchError
-from roughbench.planning.plan import Block, Cell, Task, cut
+from roughbench.planning.cells import Cell
 from roughbench.planning.resources import ResourceLimits
+from roughbench.planning.tasks import Block, Task, cut
 from roughbench.rundir.collected import Collected, Coverage, places_of
 from roughbench.rundir.folder import RunFolder
 from roughbench.rundir.former import FormerIdentities
 from roughbench.rundir.identity import Identity, identity, key_of
+from roughbench.rundir.journal import log
 from roughbench.rundir.shards import Shard, ShardError
 
 
@@ -168,6 +170,22 @@ def scan(
             _collect(cell_state, folder)
         else:
             cell_state.reason = others.what_changed(cell_state.identity)
+    return cell_states
+
+
+def scan_cleared(
+    cells: Sequence[Cell], limits: ResourceLimits, folder: RunFolder | None, *, force: bool
+) -> list[CellState]:
+    """Return what there is of cells, after putting aside what is damaged or not wanted."""
+    cell_states = scan(cells, limits, folder, force=force)
+    if folder is not None:
+        for cell_state in cell_states:
+            for error in cell_state.damaged:
+                log.warning("%s; set aside, to be computed again", error)
+                folder.set_aside(error.path)
+            if force:
+                folder.forget(cell_state.key)
+            folder.drop_checkpoints(cell_state.key, cell_state.shards)
     return cell_states
 
 

@@ -6,7 +6,8 @@ import re
 from collections.abc import Sequence
 
 from roughbench.errors import RoughbenchError
-from roughbench.planning.plan import Cell, Task
+from roughbench.planning.cells import Cell
+from roughbench.planning.tasks import Task
 from roughbench.runner.scan import CellState
 from roughbench.text import on_one_line, suggestion
 

@@ -1,6 +1,6 @@
 """How long models take on this machine: measured once for each, and kept.
 
-The work of a cell (:attr:`roughbench.planning.plan.Cell.work`) says how the time grows with
+The work of a cell (:attr:`roughbench.planning.cells.Cell.work`) says how the time grows with
 points and pressures; a short computation of each model says how long that is here. It compiles
 the loops on the way, if they are not yet compiled, which the run then need not.
 """
@@ -20,7 +20,8 @@ from pathlib import Path
 from roughbench.engines.compute import compute
 from roughbench.errors import RoughbenchError, StoreError
 from roughbench.models.base import Model
-from roughbench.planning.plan import Cell, Task
+from roughbench.planning.cells import Cell
+from roughbench.planning.tasks import Task
 from roughbench.publish import commit
 from roughbench.rundir.identity import code_digest
 from roughbench.spec import SelfAffineSurface

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from roughbench.scans.bands import Band
 from roughbench.scans.law import Law
-from roughbench.scans.spectra import BINS_PER_DECADE, MeasuredSpectrum
+from roughbench.scans.measured_spectrum import BINS_PER_DECADE, MeasuredSpectrum
 
 FloatArray = NDArray[np.float64]
 Beyond = Literal["nothing", "cut-off", "excess", "lack"]

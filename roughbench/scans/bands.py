@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.scans.spectra import MeasuredSpectrum
+from roughbench.scans.measured_spectrum import MeasuredSpectrum
 
 FloatArray = NDArray[np.float64]
 

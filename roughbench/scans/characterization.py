@@ -25,15 +25,14 @@ from numpy.typing import ArrayLike, NDArray
 from roughbench.errors import SurfaceError, UnitError
 from roughbench.inputs import float_array, positive_number
 from roughbench.scans.checks import doubts_of
-from roughbench.scans.detrending import Detrend, fit_trend
-from roughbench.scans.edges import Edges, border_jump, without_missing_border
-from roughbench.scans.filling import fill_holes
-from roughbench.scans.outliers import find_outliers
+from roughbench.scans.detrending import Detrend
+from roughbench.scans.edges import Edges
+from roughbench.scans.levelling import level
+from roughbench.scans.measured_spectrum import MeasuredSpectrum
 from roughbench.scans.preparation import Preparation, Step, prepare
 from roughbench.scans.profile_fit import ProfileFit, fit_profiles
 from roughbench.scans.roughness import Roughness, roughness
 from roughbench.scans.self_affine_fit import SelfAffineFit, fit_self_affine
-from roughbench.scans.spectra import MeasuredSpectrum, profile_spectrum, surface_spectrum
 from roughbench.scans.topography import Scan, read_scan
 from roughbench.scans.words import per_cent
 from roughbench.units import to_si
@@ -42,9 +41,6 @@ FloatArray = NDArray[np.float64]
 
 LARGEST_FILL = 0.5
 """Share of missing points that is filled for the spectrum where nothing is said."""
-MEETING = 1.2
-"""Rms step across the border over that between neighbours, up to which heights are taken for
-periodic by their spectrum: the leakage of such a step is less than that of a window's loss."""
 ANISOTROPIC = 1.2
 """Ratio of rms slopes that is worth a warning."""
 
@@ -236,26 +232,20 @@ def characterize(
         )
     ]
     del part
-    heights, box, measured = _levelled(scan, said)
-    window = _needs_window(heights, edges)
-    surface = surface_spectrum(heights, box, window=window, measured=measured)
-    along_y, along_x = (
-        profile_spectrum(heights, box, axis, window=window, measured=measured)
-        for axis in (0, 1)
-    )
-    if measured is not None:
-        heights[~measured] = np.nan
+    levelled = level(scan, said)
+    surface = levelled.surface_spectrum()
+    along_y, along_x = (levelled.profile_spectrum(axis) for axis in (0, 1))
     outcome = fit_self_affine(surface, "m")
     profiles = tuple(
         None if outcome.fit is None else fit_profiles(one, outcome.fit)
         for one in (along_y, along_x)
     )
-    spoken = [*scan.notes, *_gaps(raw, fill), *doubts, *_directions(prepared), *outcome.remarks]
+    spoken = [*scan.notes, *_gaps(raw, fill), *doubts, *directions(prepared), *outcome.remarks]
     return Characterization(
         scan=scan,
         preparation=said if fill is not None else replace(said, fill=_enough(raw.missing)),
         steps=steps,
-        levelled=heights,
+        levelled=levelled.with_holes(),
         raw=raw,
         prepared=prepared,
         surface=surface,
@@ -318,33 +308,6 @@ def _unit_in_metres(unit: str | float | None) -> float | None:
     return positive_number(value, "unit", SurfaceError)
 
 
-def _levelled(
-    scan: Scan, preparation: Preparation
-) -> tuple[FloatArray, tuple[float, float], NDArray[np.bool_] | None]:
-    """Return the heights without trend and holes on the scan's own points, for spectra."""
-    heights, (dy, dx) = scan.heights.astype(np.float64), scan.spacing
-    if preparation.outliers is not None:
-        heights[find_outliers(heights, preparation.outliers)[0]] = np.nan
-    if preparation.edges == "crop":
-        heights = np.ascontiguousarray(heights[without_missing_border(heights)])
-    trend = preparation.detrend
-    if trend is not None and trend != "none":
-        fit_trend(heights, (dy, dx), trend).subtract_from(heights)
-    measured = np.isfinite(heights)
-    size = dy * heights.shape[0], dx * heights.shape[1]
-    if measured.all():
-        return heights, size, None
-    fill_holes(heights, (dy, dx), periodic=preparation.edges == "periodic")
-    return heights, size, measured
-
-
-def _needs_window(heights: FloatArray, edges: Edges | None) -> bool:
-    if edges is not None:
-        return edges != "periodic"
-    jumps = (border_jump(heights, axis) for axis in (0, 1))
-    return any(across > MEETING * within for across, within in jumps)
-
-
 def _enough(missing: float) -> float:
     """Return a share in whole percents that allows the missing points to be filled."""
     return float(np.ceil(100.0 * missing - 1e-9)) / 100.0
@@ -358,7 +321,8 @@ def _gaps(raw: Roughness, fill: float | None) -> Iterator[str]:
         )
 
 
-def _directions(found: Roughness) -> Iterator[str]:
+def directions(found: Roughness) -> Iterator[str]:
+    """Say that a surface is anisotropic, if it is."""
     if found.anisotropy > ANISOTROPIC:
         yield (
             f"the surface is anisotropic: its rms slope is {found.anisotropy:.2g} times as "

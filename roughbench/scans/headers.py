@@ -92,13 +92,13 @@ def parse(lines: Iterable[str], before: Header | None = None) -> Header:
     >>> parse(["X [µm];Y [µm];Z [nm]"]).lateral
     ('µm', 'µm')
     """
-    found = _Found(before or Header())
+    found = _HeaderNumbers(before or Header())
     for line in lines:
         found.read(line.rstrip("\r\n"))
     return found.header()
 
 
-class _Found:
+class _HeaderNumbers:
     """Numbers and units as they stand, until all lines are known."""
 
     def __init__(self, start: Header) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.scans.spectra import HANN_SMEAR, MeasuredSpectrum
+from roughbench.scans.measured_spectrum import HANN_SMEAR, MeasuredSpectrum
 
 FloatArray = NDArray[np.float64]
 
@@ -39,6 +39,19 @@ class Law:
         flat = -(2.0 + 2.0 * self.hurst) * (q < self.q_rolloff)
         slope = -2.0 * np.log(np.maximum(q, self.q_rolloff) / self.pivot)
         return np.stack([np.ones_like(q), slope, flat])
+
+
+@dataclass(frozen=True, slots=True)
+class FittedLaw:
+    """A law, σ, and the covariance of level, H and ln qr.
+
+    Without a roll-off, ``highest_rolloff`` says up to where one would go unnoticed.
+    """
+
+    law: Law
+    scatter: float
+    covariance: FloatArray
+    highest_rolloff: float | None
 
 
 class Rings:

@@ -24,7 +24,7 @@ _FEWEST_THERE = 0.25
 
 
 @dataclass(frozen=True, slots=True)
-class _Axis:
+class _GridAxis:
     """Equal steps along an axis."""
 
     first: float
@@ -112,7 +112,7 @@ def on_grid(values: FloatArray, header: Header, unit: float | None, name: str) -
     )
 
 
-def _axis(x: FloatArray, n_points: int, letter: str, name: str) -> _Axis:
+def _axis(x: FloatArray, n_points: int, letter: str, name: str) -> _GridAxis:
     """Find the step of coordinates: the smallest whose multiples all of them are."""
     places = np.unique(x)
     span = float(places[-1] - places[0])
@@ -125,7 +125,7 @@ def _axis(x: FloatArray, n_points: int, letter: str, name: str) -> _Axis:
     # Coordinates of one row may differ a little: a step is a gap well above those before it.
     jumps = gaps[1:] / gaps[:-1]
     largest = 1 + np.argsort(jumps)[::-1][:_MOST_GUESSES]
-    best: _Axis | None = None
+    best: _GridAxis | None = None
     for guess in (gaps[0], *gaps[np.sort(largest)]):
         # The guess is one rounded gap; all of them together say how many steps there are.
         typical = np.median(gaps[np.rint(gaps / guess) == 1.0])
@@ -134,7 +134,7 @@ def _axis(x: FloatArray, n_points: int, letter: str, name: str) -> _Axis:
             continue
         step = span / n_steps
         steps = (places - places[0]) / step
-        axis = _Axis(
+        axis = _GridAxis(
             float(places[0]), step, n_steps + 1, float(np.abs(steps - np.rint(steps)).max())
         )
         if axis.off <= _OFF_GRID:

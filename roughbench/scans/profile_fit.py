@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roughbench.scans.law import Law
+from roughbench.scans.measured_spectrum import HANN_WIDTH, MeasuredSpectrum
 from roughbench.scans.self_affine_fit import SelfAffineFit
-from roughbench.scans.spectra import HANN_WIDTH, MeasuredSpectrum
 
 FloatArray = NDArray[np.float64]
 

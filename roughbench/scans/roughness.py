@@ -24,7 +24,6 @@ a border, or across a missing point.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,11 +31,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from roughbench.errors import SurfaceError
 from roughbench.inputs import float_array, positive_number
+from roughbench.scans.rms import NO_SLOPE, blocks, mean_square_slopes, spread
 
 FloatArray = NDArray[np.float64]
-
-_BLOCK = 1 << 18
-"""Points worked on at once."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,12 +116,9 @@ def roughness(heights: ArrayLike, size: tuple[float, float]) -> Roughness:
 
     Notes
     -----
-    Sdq takes :math:`(h_{i+1,j} - h_{ij})/\Delta_y` and :math:`(h_{i,j+1} - h_{ij})/\Delta_x`
-    together. A place counts if both exist and no point within two steps along either axis is
-    missing, counted around the border: what stands at the rim of a hole is measured worst,
-    and this is the rule of SurfaceTopography's ``rms_gradient``, up to its rounding. Sdr is
-    the area of the triangles between neighbouring points, two in each cell; of a wave that
-    many points resolve it is Sdq²/2 for small slopes.
+    Sq and Sdq follow the rule of :mod:`roughbench.scans.rms`, of heights that are not periodic.
+    Sdr is the area of the triangles between neighbouring points, two in each cell; of a wave
+    that many points resolve it is Sdq²/2 for small slopes.
 
     Examples
     --------
@@ -147,10 +141,13 @@ def roughness(heights: ArrayLike, size: tuple[float, float]) -> Roughness:
     )
     spacing = sides[0] / h.shape[0], sides[1] / h.shape[1]
     of_heights = _heights(h)
-    tensor, developed = _slopes(h, spacing)
+    square_y, square_x = mean_square_slopes(h, spacing, periodic=False)
+    if math.isnan(square_y):
+        raise SurfaceError(NO_SLOPE)
+    mixed, developed = _crossings(h, spacing)
     m4 = _curvature(h, spacing)
-    m2 = float(np.trace(tensor)) / 2.0
-    (across, along), directions = np.linalg.eigh(tensor)
+    m2 = (square_y + square_x) / 2.0
+    (across, along), directions = np.linalg.eigh([[square_y, mixed], [mixed, square_x]])
     steepest = directions[:, 1]
     angle = math.degrees(math.atan2(steepest[0], steepest[1]))
     return Roughness(
@@ -163,94 +160,50 @@ def roughness(heights: ArrayLike, size: tuple[float, float]) -> Roughness:
         m4=m4,
         nayak=of_heights["Sq"] ** 2 * m4 / m2**2 if m2 else math.inf,
         band=(2.0 * math.pi / max(sides), math.pi / min(spacing)),
-        slopes=(math.sqrt(tensor[0, 0]), math.sqrt(tensor[1, 1])),
+        slopes=(math.sqrt(square_y), math.sqrt(square_x)),
         anisotropy=math.sqrt(along / across) if across > 1e-12 * along else math.inf,
         direction=angle - 180.0 if angle > 90.0 else angle + 180.0 if angle <= -90.0 else angle,
         **of_heights,
     )
 
 
-def _blocks(rows: int, columns: int) -> Iterator[tuple[int, int]]:
-    """Cut rows into blocks that stay in the cache."""
-    step = max(1, _BLOCK // columns)
-    for start in range(0, rows, step):
-        yield start, min(start + step, rows)
-
-
 def _heights(h: FloatArray) -> dict[str, float]:
     """Return what the heights say wherever they stand."""
-    blocks = list(_blocks(*h.shape))
-    count, total, highest, lowest = 0, 0.0, -math.inf, math.inf
-    for start, stop in blocks:
-        z = h[start:stop]
-        z = z[np.isfinite(z)]
-        if z.size:
-            count += z.size
-            total += float(z.sum())
-            highest, lowest = max(highest, float(z.max())), min(lowest, float(z.min()))
-    if not count:
+    found = spread(h)
+    if not found.count:
         raise SurfaceError("all points are missing: there is no surface to describe")
-    mean, range_ = total / count, highest - lowest
-    if not range_ > 1e-14 * max(abs(highest), abs(lowest)):
-        raise SurfaceError(f"all heights are the same, {highest:g}: there is no roughness")
-    powers = np.zeros(5)
-    absolute = 0.0
-    for start, stop in blocks:
+    width = found.highest - found.lowest
+    if not width > 1e-14 * max(abs(found.highest), abs(found.lowest)):
+        raise SurfaceError(
+            f"all heights are the same, {found.highest:g}: there is no roughness"
+        )
+    absolute = third = fourth = 0.0
+    for start, stop in blocks(*h.shape):
         z = h[start:stop]
-        z = (z[np.isfinite(z)] - mean) / range_  # so that no power overflows
+        z = (z[np.isfinite(z)] - found.mean) / found.rms
         square = z * z
         absolute += float(np.abs(z).sum())
-        powers += [z.size, z.sum(), square.sum(), (square * z).sum(), (square * square).sum()]
-    _, offset, second, third, fourth = powers / count
-    # The mean was rounded; what is left of it.
-    second -= offset**2
-    third -= 3.0 * offset * second
-    rms = math.sqrt(second)
+        third += float((square * z).sum())
+        fourth += float((square * square).sum())
     return {
-        "missing": 1.0 - count / h.size,
-        "Sa": absolute / count * range_,
-        "Sq": rms * range_,
-        "Ssk": float(third / rms**3),
-        "Sku": float(fourth / second**2),
-        "peak_to_valley": range_,
+        "missing": 1.0 - found.count / h.size,
+        "Sa": absolute / found.count * found.rms,
+        "Sq": found.rms,
+        "Ssk": third / found.count,
+        "Sku": fourth / found.count,
+        "peak_to_valley": width,
     }
 
 
-def rms_gradient(heights: FloatArray, spacing: tuple[float, float]) -> float:
-    """Return Sdq as :func:`roughness` does, of heights with holes too.
-
-    Parameters
-    ----------
-    heights : ndarray of float64, shape (rows, columns)
-        nan where missing.
-    spacing : (float, float)
-        Between points along (y, x), in the unit of the heights.
-
-    Raises
-    ------
-    SurfaceError
-        If nowhere enough neighbouring points are measured.
-    """
-    return math.sqrt(float(np.trace(_slopes(heights, spacing)[0])))
-
-
-def _slopes(h: FloatArray, spacing: tuple[float, float]) -> tuple[FloatArray, float]:
-    """Return ⟨∇h ∇hᵀ⟩ in the order (y, x), and the share of area that is gained."""
+def _crossings(h: FloatArray, spacing: tuple[float, float]) -> tuple[float, float]:
+    """Return ⟨∂h/∂y ∂h/∂x⟩, and the share of area that is gained."""
     dy, dx = spacing
     rows, columns = h.shape
-    whole = bool(np.isfinite(h).all())
-    places = crossings = triangles = 0
-    square_y = square_x = mixed = gained = 0.0
-    for start, stop in _blocks(rows - 1, columns):
+    crossings = triangles = 0
+    mixed = gained = 0.0
+    for start, stop in blocks(rows - 1, columns):
         part = h[start : stop + 1]
         along_y, along_x = np.diff(part, axis=0) / dy, np.diff(part, axis=1) / dx
-        y, x = along_y[:, :-1], along_x[:-1]
-        if not whole:
-            clear = _clear_of_holes(h, start, stop)
-            y, x = y[clear], x[clear]
-        places += y.size
-        square_y += float(np.sum(y * y))
-        square_x += float(np.sum(x * x))
         # The slopes of both sides of a cell, multiplied: noise has none of it.
         product = (along_y[:, :-1] + along_y[:, 1:]) * (along_x[:-1] + along_x[1:])
         product = product[np.isfinite(product)]
@@ -262,30 +215,13 @@ def _slopes(h: FloatArray, spacing: tuple[float, float]) -> tuple[FloatArray, fl
             # √(1 + s) − 1 without cancellation.
             gained += float(np.sum(square / (np.sqrt(1.0 + square) + 1.0)))
             triangles += square.size
-    if not places:
-        raise SurfaceError(
-            "so many points are missing that nowhere enough neighbours are left for a slope"
-        )
-    mixed /= max(crossings, 1)
-    tensor = np.array([[square_y / places, mixed], [mixed, square_x / places]])
-    return tensor, gained / triangles
-
-
-def _clear_of_holes(h: FloatArray, start: int, stop: int) -> NDArray[np.bool_]:
-    """Return the places of these rows whose differences count."""
-    rows = np.arange(start, stop + 2) % h.shape[0]
-    measured = np.isfinite(h[rows])
-    clear = measured[:-2].copy()
-    for down, right in ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2)):
-        shifted = measured[down : down + stop - start]
-        clear &= np.roll(shifted, -right, axis=1) if right else shifted
-    return clear[:, :-1]
+    return mixed / max(crossings, 1), gained / triangles
 
 
 def _curvature(h: FloatArray, spacing: tuple[float, float]) -> float:
     """Return the mean square second derivative of profiles along both axes."""
     total, count = [0.0, 0.0], [0, 0]
-    for start, stop in _blocks(*h.shape):
+    for start, stop in blocks(*h.shape):
         for axis, part in enumerate((h[max(start - 2, 0) : stop], h[start:stop])):
             second = np.diff(part, n=2, axis=axis)
             second = second[np.isfinite(second)]

@@ -27,7 +27,6 @@ hold all of it, as of gratings, no law is fitted.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -35,27 +34,12 @@ from numpy.typing import NDArray
 
 from roughbench.scans.band_ends import BandEnd, lower_end, placed, upper_end
 from roughbench.scans.bands import Band, find_band
-from roughbench.scans.law import Law, Rings
-from roughbench.scans.spectra import BINS_PER_DECADE, MeasuredSpectrum
+from roughbench.scans.fit_quality import HIGHEST_HURST, refusal, remarks
+from roughbench.scans.law import FittedLaw, Law, Rings
+from roughbench.scans.measured_spectrum import BINS_PER_DECADE, MeasuredSpectrum
 from roughbench.spectrum import Spectrum, self_affine
-from roughbench.units import in_words
 
 FloatArray = NDArray[np.float64]
-
-SHORTEST = 3.0
-"""Least q1/qr that a falling part must have to be called a power law."""
-LARGEST_SCATTER = 0.5
-"""Largest σ, in ln C, that is called a law: a factor of 1.65 on average."""
-LEAST_HURST, LARGEST_HURST = 0.02, 0.93
-"""H of spectra that are told from q^-2, and from the q^-4 of edges and spherical caps."""
-HIGHEST_HURST = 0.99
-"""H that is given where the likeliest is larger, but its error says nothing against less."""
-SMOOTH = 0.9
-"""An H above :data:`LARGEST_HURST` is one of edges if its error excludes this one."""
-LARGEST_ERROR = 0.2
-"""Of H, in a fit that says anything."""
-WORTH_A_WORD = 0.1
-"""Scatter, in ln C, that is worth a remark."""
 LARGEST_CROWDING = 12.0
 """Most ⟨P²⟩/⟨P⟩² in rings of a random surface: 2 if it is Gaussian and isotropic. A ridge
 that is k times as long as wide has about 2√k."""
@@ -168,30 +152,17 @@ def fit_self_affine(spectrum: MeasuredSpectrum, unit: str = "") -> FitOutcome:
     if high.beyond == "cut-off":
         found = _fitted(rings, low, high, band)
         high = placed(high, rings, found.law)
-    why = _refusal(found, high)
+    why = refusal(found, high)
     if why:
         return FitOutcome(None, (f"{_NONE}{why}",))
     fit = _with_errors(found, spectrum, low, high)
-    return FitOutcome(fit, tuple(_remarks(found, fit, low, high, unit)))
+    return FitOutcome(fit, tuple(remarks(found, fit, low, high, unit)))
 
 
 _NONE = "no self-affine law fits: "
 
 
-@dataclass(frozen=True, slots=True)
-class _Found:
-    """A law, σ, and the covariance of level, H and ln qr.
-
-    Without a roll-off, ``highest_rolloff`` says up to where one would go unnoticed.
-    """
-
-    law: Law
-    scatter: float
-    covariance: FloatArray
-    highest_rolloff: float | None
-
-
-def _fitted(spectrum: MeasuredSpectrum, low: BandEnd, high: BandEnd, band: Band) -> _Found:
+def _fitted(spectrum: MeasuredSpectrum, low: BandEnd, high: BandEnd, band: Band) -> FittedLaw:
     """Return the likeliest law, with the scatter that the bins have about it."""
     floor = 0.0
     if high.beyond == "excess":  # the noise's, if it is white
@@ -217,7 +188,7 @@ def _fitted(spectrum: MeasuredSpectrum, low: BandEnd, high: BandEnd, band: Band)
     sensitivity = law.sensitivity(rings.q)[free]
     covariance = np.zeros((3, 3))
     covariance[free, free] = np.linalg.inv((weights * sensitivity) @ sensitivity.T)
-    return _Found(law, scatter, covariance, possible)
+    return FittedLaw(law, scatter, covariance, possible)
 
 
 def _excess(mean: FloatArray, independent: FloatArray) -> float:
@@ -238,36 +209,8 @@ def _excess(mean: FloatArray, independent: FloatArray) -> float:
     return float(brentq(surplus, 0.0, 1.0 + float(np.abs(off).max()) * math.sqrt(mean.size)))
 
 
-def _refusal(found: _Found, high: BandEnd) -> str:
-    """Return why a law is none, or nothing."""
-    law = found.law
-    fall = 2.0 + 2.0 * law.hurst
-    if law.hurst < LEAST_HURST:
-        noise = ", as white noise" if abs(fall) < 0.5 else ""
-        return f"its spectrum falls as q^{-fall:.2f}{noise}, and q^-2 is the least (H = 0)"
-    error = math.sqrt(found.covariance[1, 1])
-    if law.hurst > LARGEST_HURST and law.hurst - 2.0 * error > SMOOTH:
-        return (
-            f"its spectrum falls as q^{-fall:.2f}, and q^-4 is the most (H = 1); so do edges, "
-            "caps and what a filter has smoothed"
-        )
-    if high.q / law.q_rolloff < SHORTEST:
-        return (
-            f"its spectrum falls as a power law only over a factor of "
-            f"{high.q / law.q_rolloff:.2g} in wavevector, and {SHORTEST:g} is the least"
-        )
-    if error > LARGEST_ERROR:
-        return f"its spectrum leaves the exponent open: H = {law.hurst:.2f} ± {error:.2f}"
-    if found.scatter > LARGEST_SCATTER:
-        return (
-            f"its spectrum is a factor of {math.exp(found.scatter):.2g} off a power law, "
-            f"typically, and {math.exp(LARGEST_SCATTER):.2g} is the most"
-        )
-    return ""
-
-
 def _with_errors(
-    found: _Found, spectrum: MeasuredSpectrum, low: BandEnd, high: BandEnd
+    found: FittedLaw, spectrum: MeasuredSpectrum, low: BandEnd, high: BandEnd
 ) -> SelfAffineFit:
     """Return the parameters with their errors."""
     law = found.law
@@ -309,56 +252,6 @@ def _slope(
     # Its level is that of all points, so that all modes count.
     relative = math.sqrt(float(np.sum(parts**2 / rings.modes))) / total
     return math.sqrt(total), math.sqrt(total) * relative / 2.0
-
-
-def _remarks(
-    found: _Found, fit: SelfAffineFit, low: BandEnd, high: BandEnd, unit: str
-) -> Iterator[str]:
-    """Yield what was left out of the band, and how well the law fits."""
-
-    def wave(q: float) -> str:
-        length = 2.0 * math.pi / q
-        return in_words(length, unit) if unit else f"{length:.3g}"
-
-    begins = f"at wavelengths above {wave(low.q)}"
-    if low.beyond == "excess":
-        yield (
-            f"{begins} the spectrum is {low.factor:.2g} times the law, as of form, tilt or "
-            "waviness: left out of the fit; q0 is where the law begins"
-        )
-    elif low.beyond in ("lack", "cut-off"):
-        yield f"{begins} the spectrum has hardly any power ({low.factor:.2g} of the law)"
-    ends = f"at wavelengths below {wave(high.q)}"
-    if high.beyond == "excess":
-        yield (
-            f"{ends} the spectrum is {high.factor:.2g} times the law, as of an instrument's "
-            "noise: left out of the fit; q1 is where the law ends"
-        )
-    elif high.beyond == "lack":
-        yield (
-            f"{ends} the spectrum is {high.factor:.2g} of the law, as of a filter, a tip or "
-            "an optical resolution: left out of the fit; q1 is where the law ends"
-        )
-    elif high.beyond == "nothing":
-        yield (
-            f"the roughness does not end within the scan: q1 is the shortest wave that its "
-            f"points resolve ({wave(high.q)}), and the slope is that of longer waves only"
-        )
-    if found.highest_rolloff is not None:
-        yield (
-            f"no roll-off is seen: qr is taken as q0, and may be anywhere up to "
-            f"{found.highest_rolloff / low.q:.2g} q0"
-        )
-    if found.law.hurst > HIGHEST_HURST:
-        yield (
-            f"H came out as {found.law.hurst:.2f} ± {fit.hurst_error:.2f}, and a self-affine "
-            f"surface has less than 1: taken as {HIGHEST_HURST}"
-        )
-    if found.scatter > WORTH_A_WORD:
-        yield (
-            f"the spectrum is off the law by {100.0 * math.expm1(found.scatter):.0f} %, "
-            "typically; the errors contain that"
-        )
 
 
 def _usable(spectrum: MeasuredSpectrum) -> MeasuredSpectrum:

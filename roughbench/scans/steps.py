@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 from dataclasses import dataclass
 
@@ -22,8 +21,7 @@ from roughbench.scans.edges import (
 from roughbench.scans.filling import Holes, fill_holes, find_holes
 from roughbench.scans.outliers import find_outliers
 from roughbench.scans.resampling import resample, square_grid
-from roughbench.scans.rms import rms_height_and_gradient
-from roughbench.scans.roughness import rms_gradient
+from roughbench.scans.rms import NO_SLOPE, rms_height_and_gradient
 from roughbench.scans.topography import Scan
 from roughbench.scans.words import per_cent
 from roughbench.units import in_words
@@ -76,9 +74,6 @@ class Preparing:
     def record(self, name: str, text: str, *, periodic: bool = False) -> None:
         """Note what was done and what came of it."""
         rms = rms_height_and_gradient(self.heights, self.spacing, periodic=periodic)
-        if np.isnan(self.heights).any():  # the rims of holes are measured worst
-            with contextlib.suppress(SurfaceError):
-                rms = rms[0], rms_gradient(self.heights, self.spacing)
         rows, columns = self.heights.shape
         self.steps.append(Step(name, text, (rows, columns), self.size, *rms))
 
@@ -127,6 +122,12 @@ class Preparing:
         share = holes.points / missing.size
         if share > allowed:
             raise SurfaceError(self._too_much_missing(missing, holes, allowed))
+        if any(math.isnan(step.Sdq) for step in self.steps):
+            raise SurfaceError(
+                f"{source_of(self.scan)}{NO_SLOPE}, and there is nothing to judge the filled "
+                "ones by; leave rows and columns that are missing out of the file, or measure "
+                "again"
+            )
         del missing
         fill_holes(self.heights, self.spacing, periodic=periodic)
         self.record(

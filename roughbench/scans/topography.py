@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,18 +12,12 @@ from roughbench.errors import SurfaceError
 from roughbench.heights_file import check_there
 from roughbench.scans import arrays, datasets, instruments, tables
 from roughbench.scans.image import Image
+from roughbench.scans.scale import settled_size, settled_unit
 from roughbench.text import on_one_line
-from roughbench.units import in_words
 
 FloatArray = NDArray[np.float64]
-
 _FEWEST = 4
 """Points per side: fewer carry no wave but the one that alternates from point to point."""
-_AGREEMENT = 1e-6
-"""Largest relative difference between what the file says and what is given beside it."""
-_ASPECT_AGREEMENT = 1e-2
-"""The same for the shape of pixels, which coordinates of few digits give less exactly."""
-
 _HDF5 = frozenset({".h5", ".hdf5", ".hdf", ".he5", ".nc", ".nc4"})
 
 
@@ -133,8 +126,8 @@ def read_scan(
     """
     name = on_one_line(str(path))
     image = _read(str(path), Path(folder), name, channel)
-    image_size = _settled_size(image, size, unit, name)
-    factor = _settled_unit(image, unit, name)
+    image_size = settled_size(image, size, unit, name)
+    factor = settled_unit(image, unit, name)
     values, notes = image.values, list(image.notes)
     if min(values.shape) < _FEWEST:
         raise SurfaceError(
@@ -188,85 +181,3 @@ def _head(path: Path, name: str) -> bytes:
     if not head:
         raise SurfaceError(f"{name}: the file is empty")
     return head
-
-
-def _settled_size(
-    image: Image, given: tuple[float, float] | None, unit: float | None, name: str
-) -> tuple[float, float]:
-    """Return the size along (y, x), in m, from the file or as given."""
-    for size, who in ((image.size, "the file says"), (given, "size: says")):
-        if size is not None and not all(0.0 < side < math.inf for side in size):
-            raise SurfaceError(
-                f"{name}: {who} {_both(size)}, which is no size of an image; it must be "
-                "positive"
-            )
-    if image.size is None:
-        if given is None:
-            raise SurfaceError(_missing_keys(image, unit, name))
-        _check_aspect(image, given, name)
-        return given
-    if given is not None and _differ(image.size, given):
-        raise SurfaceError(
-            f"{name}: the file says that the image is {_both(image.size)} large (x, y), size: "
-            f"says {_both(given)}; leave size: out, or correct the file"
-        )
-    return image.size
-
-
-def _settled_unit(image: Image, given: float | None, name: str) -> float:
-    """Return metres per unit of the heights, from the file or as given."""
-    if given is not None and not 0.0 < given < math.inf:
-        raise SurfaceError(f"{name}: unit: must be a positive length, got {given:g} m")
-    if image.unit is None:
-        if given is None:
-            raise SurfaceError(_missing_keys(image, given, name, size_is_known=True))
-        return given
-    if given is not None and _differ((image.unit,), (given,)):
-        raise SurfaceError(
-            f"{name}: the file says that one unit of the heights is {_said(image.unit)}, "
-            f"unit: says {_said(given)}; leave unit: out, or correct the file"
-        )
-    return image.unit
-
-
-def _missing_keys(
-    image: Image, unit: float | None, name: str, *, size_is_known: bool = False
-) -> str:
-    parts, keys = [], []
-    if not size_is_known:
-        parts.append("the size of the image")
-        keys.append("size: [10 um, 10 um] (x, y)")
-    if image.unit is None and unit is None:
-        parts.append("the unit of the heights")
-        keys.append("unit: nm")
-    it = "them" if len(keys) > 1 else "it"
-    return (
-        f"{name}: the file does not say {' and '.join(parts)}; give {it}: {' and '.join(keys)}"
-    )
-
-
-def _check_aspect(image: Image, size: tuple[float, float], name: str) -> None:
-    """Refuse a size that does not fit to the coordinates of the points."""
-    if image.aspect is None:
-        return
-    rows, columns = image.values.shape
-    aspect = (size[0] / rows) / (size[1] / columns)
-    if abs(aspect / image.aspect - 1.0) > _ASPECT_AGREEMENT:
-        raise SurfaceError(
-            f"{name}: its coordinates have pixels {image.aspect:.6g} times as high as wide, "
-            f"with size: {_both(size)} they would be {aspect:.6g} times as high; correct size:"
-        )
-
-
-def _differ(one: tuple[float, ...], other: tuple[float, ...]) -> bool:
-    return any(abs(a / b - 1.0) > _AGREEMENT for a, b in zip(one, other, strict=True))
-
-
-def _both(size: tuple[float, float]) -> str:
-    """Say a size as specs do, x first."""
-    return f"[{_said(size[1])}, {_said(size[0])}]"
-
-
-def _said(length: float) -> str:
-    """Say a length in m with the digits that must agree."""
-    return in_words(length, "m", digits=9)

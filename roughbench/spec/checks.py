@@ -53,6 +53,7 @@ def check_fit(
     yield from _names(tree, models)
     yield from _deterministic(models)
     yield from _without_effect(models)
+    yield from _bearable(models, pressures, has_units=has_units)
     if saved is not None:
         if pressures:
             yield from _saved_pressures(saved, pressures, has_units=has_units)
@@ -94,6 +95,19 @@ def _deterministic(models: Numbered) -> Iterator[Finding]:
             yield Finding(
                 ("models", number, "realizations"),
                 f"{model.kind} works on the spectrum and has one realization; remove this",
+            )
+
+
+def _bearable(
+    models: Numbered, pressures: tuple[float, ...], *, has_units: bool
+) -> Iterator[Finding]:
+    for number, model in models:
+        bound, highest = model.highest_pressure, max(pressures, default=0.0)
+        if bound is not None and highest > bound:
+            shown = in_words(highest, "Pa", 6) if has_units else f"{highest:g}"
+            yield Finding(
+                ("models", number, "hardness"),
+                f"bears no nominal pressure above it, and the highest is {shown}; lower that",
             )
 
 

@@ -19,7 +19,7 @@ from roughbench.spec.modulus import Body, ContactModulus
 from roughbench.spec.pressures import PressureRange
 from roughbench.spec.surfaces import SelfAffineSurface
 from roughbench.spec.tree import Finding, KeyPath, did_you_mean, lookup, show
-from roughbench.spec.with_units import OF_WAVES, WAVELENGTHS
+from roughbench.spec.wavelengths import OF_WAVES, WAVELENGTHS
 from roughbench.text import suggestion
 
 SURFACES: dict[str, type[BaseModel]] = {

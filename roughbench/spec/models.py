@@ -14,6 +14,11 @@ from roughbench.models.registry import Catalog, kind_of, kinds
 from roughbench.source_files import names_file
 from roughbench.spec.tree import did_you_mean, show
 
+_FROM_OUTSIDE = (
+    "a theory of your own is known once its package is installed, or by its file, as in "
+    "'mytheory.py:Erf09'"
+)
+
 
 def catalog_of(context: Any) -> Catalog:
     """Return where the models are found of a spec that is validated in a context."""
@@ -36,6 +41,8 @@ def _validated(value: object, info: ValidationInfo) -> Model:
         model = catalog.find(kind)
     except KeyError:
         hint = did_you_mean(kind, kinds())
+        if not hint.startswith(" ("):  # no misspelled kind: perhaps one from outside
+            hint += f"; {_FROM_OUTSIDE}"
         raise _fault("child", f"unknown kind {show(kind)}{hint}") from None
     except ModelError as error:
         raise _fault("child", str(error)) from None

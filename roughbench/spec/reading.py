@@ -141,9 +141,9 @@ class _Reader:
         try:
             event: yaml.Event = self.loader.get_event()  # type: ignore[no-untyped-call]
         except yaml.MarkedYAMLError as error:
-            told = " ".join(filter(None, (error.context, error.problem)))
-            hint = next((hint for sign, hint in _HINTS.items() if sign in told), "")
-            problem = on_one_line(error.problem or told)
+            text = " ".join(filter(None, (error.context, error.problem)))
+            hint = next((hint for sign, hint in _HINTS.items() if sign in text), "")
+            problem = on_one_line(error.problem or text)
             message = f"is no valid YAML: {problem}" + (f" ({hint})" if hint else "")
             place = _place(error.problem_mark or error.context_mark)
         except (ValueError, OverflowError) as error:  # an escape beyond Unicode, a huge version

@@ -9,7 +9,7 @@ from pydantic.json_schema import models_json_schema
 from roughbench.models.base import Model
 from roughbench.models.registry import declared, kind_of, kinds
 from roughbench.spec.model import Spec
-from roughbench.spec.with_units import OF_WAVES, WAVELENGTHS
+from roughbench.spec.wavelengths import OF_WAVES, WAVELENGTHS
 from roughbench.units import EXAMPLES
 
 _SCALAR = {"type": ["number", "string", "boolean", "null"]}

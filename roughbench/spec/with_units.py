@@ -7,14 +7,13 @@ says is kept as it was written; pydantic is given wavevectors.
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, get_args
 
 from pydantic import BaseModel
 
-from roughbench.errors import ModelError, UnitError
+from roughbench.errors import ModelError
 from roughbench.models.dimensional import dimension_of
 from roughbench.models.registry import Catalog
 from roughbench.spec.modulus import Body, ContactModulus
@@ -24,23 +23,13 @@ from roughbench.spec.tree import (
     Finding,
     KeyPath,
     KeyPathError,
-    assign,
     lookup,
     render,
     resolve,
     show,
 )
-from roughbench.units import EXAMPLES, Dimension, begins_with_number, to_si
-
-WAVELENGTHS = {"longest": "q0", "rolloff": "qr", "shortest": "q1"}
-"""Key of a wavelength → key of the wavevector 2π/λ."""
-
-OF_WAVES = {
-    "longest": "Longest wavelength of the roughness, 2π/q0, with its unit.",
-    "rolloff": "Wavelength of the roll-off, 2π/qr, with its unit; default: the longest.",
-    "shortest": "Shortest wavelength of the roughness, 2π/q1, with its unit.",
-}
-"""Key of a wavelength → its description."""
+from roughbench.spec.wavelengths import WAVELENGTHS, as_wavevectors, with_wavevector
+from roughbench.units import EXAMPLES, Dimension, begins_with_number
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,9 +109,9 @@ def spelled(tree: Mapping[str, Any], catalog: Catalog) -> Spelled:
     if isinstance(bodies, list) and len(bodies) == 1:
         message = "has one body in its list; write it without brackets, or add the other"
         findings.append(Finding(("modulus",), message))
-    replaced, wrong = _wavevectors(surface)
+    replaced, wrong = as_wavevectors(surface)
     for old, new, value in replaced:
-        tree = _renamed(tree, old, new, value)
+        tree = with_wavevector(tree, old, new, value)
     written: dict[KeyPath, KeyPath] = {
         ("surface", new): ("surface", old) for old, new, _ in replaced
     }
@@ -142,9 +131,6 @@ def in_written_keys(findings: list[Finding], spelling: Spelled) -> list[Finding]
     hidden = spelling.dimensional | wavevectors | {("modulus",), ("pressures",)}
     hidden |= {one.path for one in spelling.findings} | {("modulus", 1)}
     return spelling.findings + [one for one in findings if one.path not in hidden]
-
-
-# -- which values have a dimension ---------------------------------------------------------
 
 
 def _dimensional(tree: Mapping[str, Any], catalog: Catalog) -> Iterator[_Dimensional]:
@@ -226,9 +212,6 @@ def _fields(owner: type[BaseModel] | None) -> dict[str, Dimension]:
     }
 
 
-# -- mixtures ------------------------------------------------------------------------------
-
-
 def _too_many(united: list[_Dimensional], bare: list[_Dimensional]) -> Iterator[Finding]:
     """Yield the few values with a unit, of a spec that otherwise has none."""
     for one in united:
@@ -247,67 +230,3 @@ def _without_unit(bare: list[_Dimensional], united: list[_Dimensional]) -> Itera
         yield Finding(
             one.path, f"has no unit{beside}, got {show(one.value)}; write it as in '{example}'"
         )
-
-
-# -- wavelengths ---------------------------------------------------------------------------
-
-
-def _wavevectors(
-    surface: Mapping[str, Any],
-) -> tuple[list[tuple[str, str, float]], list[Finding]]:
-    """Return wavelengths as wavevectors: key, key of the wavevector, value in 1/m."""
-    replaced: list[tuple[str, str, float]] = []
-    findings = []
-    lengths: dict[str, float] = {}
-    for key, wavevector in WAVELENGTHS.items():
-        if key not in surface or surface.get("kind", "self-affine") != "self-affine":
-            continue
-        path, value = ("surface", key), surface[key]
-        if wavevector in surface:
-            message = f"says the same as {wavevector} = 2π/{key}; remove one of them"
-            findings.append(Finding(path, message, "key"))
-        if not isinstance(value, str):
-            if not isinstance(value, (int, float)) or isinstance(value, bool):
-                message = f"must be a length, such as '10 um', got {show(value)}"
-                findings.append(Finding(path, message))
-            replaced.append((key, wavevector, math.nan))
-            continue
-        try:
-            length = to_si(value, "length")
-            if not length > 0.0:
-                raise UnitError(f"must be greater than 0, got {value!r}")
-        except UnitError as error:
-            findings.append(Finding(path, error.reason))
-            replaced.append((key, wavevector, math.nan))
-            continue
-        lengths[key] = length
-        replaced.append((key, wavevector, 2.0 * math.pi / length))
-    findings += _out_of_order(surface, lengths)
-    return replaced, findings
-
-
-def _out_of_order(
-    surface: Mapping[str, Any], lengths: Mapping[str, float]
-) -> Iterator[Finding]:
-    for short, long, allowed in (
-        ("rolloff", "longest", "at most"),
-        ("shortest", "rolloff", "less than"),
-        ("shortest", "longest", "less than"),
-    ):
-        if short not in lengths or long not in lengths:
-            continue
-        equal_is_wrong = allowed == "less than"
-        if lengths[short] > lengths[long] or (
-            equal_is_wrong and lengths[short] == lengths[long]
-        ):
-            yield Finding(
-                ("surface", short),
-                f"must be {allowed} {long} = {surface[long]}, got {surface[short]}",
-            )
-            return
-
-
-def _renamed(tree: Mapping[str, Any], old: str, new: str, value: float) -> Mapping[str, Any]:
-    """Return a tree with a wavevector in the place of a wavelength."""
-    surface = {key: entry for key, entry in tree["surface"].items() if key != old}
-    return dict(assign({**tree, "surface": surface}, ("surface", new), value))

@@ -16,7 +16,7 @@
 >>> verdicts = {v.key: v for v in judge([("example", results)], reference="persson")}
 >>> found = verdicts["area-linear"]
 >>> found.place, found.claim[:56]
-('eq. (9)', 'The real contact area is proportional to the pressure, A')
+('eq. (3)', 'The real contact area is proportional to the pressure, A')
 >>> found.measurements[0].what, str(found.outcome)
 ('decades of A ∼ p', 'holds')
 >>> str(verdicts["coupling-area"].outcome), verdicts["coupling-area"].remedy

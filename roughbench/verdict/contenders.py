@@ -15,11 +15,11 @@ from roughbench.fits import MISSING, PERCENTS, Comparison, Estimate, comparisons
 from roughbench.notation import typeset
 from roughbench.quantities import QUANTITIES
 from roughbench.results import ModelResult
-from roughbench.verdict.claims import TO_FOLLOW
+from roughbench.verdict.criteria import TO_FOLLOW
 from roughbench.verdict.experiments import FittedExperiment
-from roughbench.verdict.judging import Measurement, Range, Verdict, measurement
-from roughbench.verdict.measures import OTHER_PRESSURES, Reading
-from roughbench.verdict.rules import Outcome, together
+from roughbench.verdict.judging import CaseOutcome, Measurement, Range, Verdict, measurement
+from roughbench.verdict.measures import OTHER_PRESSURES, Reading, case_of, closed_note
+from roughbench.verdict.rules import Outcome, agreed, together
 
 _RULE = (
     "factor between the model and the exact solution, where that has A ∼ p (for the area) or "
@@ -45,7 +45,11 @@ def _judge(
         if experiment.exact is not None
         for one in _measurements(experiment, model)
     )
-    outcome = together(one.outcome for one in measured)
+    cases = tuple(
+        CaseOutcome(case, together(one.outcome for one in measured if one.case == case))
+        for case in sorted({one.case for one in measured}, reverse=True)
+    )
+    outcome = agreed(one.outcome for one in cases)
     remedy = "a spec with bem" + ", at pressures where it has A ∼ p or K ∼ p" * bool(measured)
     return Verdict(
         key=f"contender-{label}" if label == kind else f"contender-{kind}-{label}",
@@ -56,11 +60,13 @@ def _judge(
         outcome=outcome,
         remedy=remedy if outcome is Outcome.NOT_TESTED else "",
         contender=label,
+        cases=cases,
     )
 
 
 def _measurements(experiment: FittedExperiment, model: ModelResult) -> Iterator[Measurement]:
     fits, where = experiment.fits[model.label], experiment.where(model)
+    case = case_of(model)
     for comparison in comparisons():
         if not comparison.is_expected and comparison.factor not in fits:
             continue
@@ -71,15 +77,17 @@ def _measurements(experiment: FittedExperiment, model: ModelResult) -> Iterator[
             what += " at equal ū/h_rms"
         factor = fits.get(comparison.factor)
         if factor is None:
-            reading = Reading(where, what, MISSING, missing=OTHER_PRESSURES)
+            reading = Reading(where, what, MISSING, missing=OTHER_PRESSURES, case=case)
             yield measurement(reading, TO_FOLLOW)
         elif not factor.is_given:
-            yield measurement(Reading(where, what, factor), TO_FOLLOW)
+            yield measurement(Reading(where, what, factor, case=case), TO_FOLLOW)
         else:
             ranges = tuple(_range(fits, comparison, percent) for percent in PERCENTS)
-            note = "; ".join(_text(one, comparison) for one in ranges)
+            closed = fits.get(comparison.closed)
+            texts = [_text(one, comparison) for one in ranges]
+            note = "; ".join([*texts, *closed_note(closed)])
             missing = f"{note}; no factor: {_why_missing(comparison)}"
-            reading = Reading(where, what, factor, note, missing=missing)
+            reading = Reading(where, what, factor, note, missing=missing, case=case)
             yield measurement(reading, TO_FOLLOW, ranges)
 
 

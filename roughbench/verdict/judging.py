@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from roughbench.fits import Estimate
 from roughbench.verdict.experiments import FittedExperiment
 from roughbench.verdict.measures import Measure, Reading
-from roughbench.verdict.rules import Outcome, Rule, together
+from roughbench.verdict.rules import Outcome, Rule, agreed, together
+
+GROUPS = {
+    "paper": "What the paper claims",
+    "explanation": "Our tests of its explanation",
+    "beyond": "Beyond the paper",
+}
+"""Whose claims they are: name → heading."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +58,10 @@ class Measurement:
         A remark, or nothing.
     ranges : tuple of Range
         Of a contender: where it agrees with the exact solution.
+    low, high : float
+        Ends of the 68 % interval; nan: none.
+    case : str
+        What surfaces it is of, see :class:`CaseOutcome`.
     """
 
     where: str
@@ -61,6 +72,25 @@ class Measurement:
     outcome: Outcome
     note: str = ""
     ranges: tuple[Range, ...] = ()
+    low: float = math.nan
+    high: float = math.nan
+    case: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class CaseOutcome:
+    """What is found of a claim on one kind of surfaces.
+
+    Attributes
+    ----------
+    case : str
+        ``without roll-off`` or ``with roll-off``; empty for heights without a spectrum, and for
+        what compares surfaces.
+    outcome : Outcome
+    """
+
+    case: str
+    outcome: Outcome
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,11 +109,15 @@ class Verdict:
         How it is decided.
     measurements : tuple of Measurement
     outcome : Outcome
-        Over all measurements: fails if one fails, holds if all that were taken hold.
+        Over all cases: what they agree in, or that it depends on them.
     remedy : str
         What spec would test it, or what of it is missing; empty where it is decided.
     contender : str
         Label of the model that it is on; empty for the paper's claims.
+    group : str
+        Of :data:`GROUPS`; empty for a contender.
+    cases : tuple of CaseOutcome
+        The outcome by case; empty where nothing was measured.
     """
 
     key: str
@@ -94,6 +128,8 @@ class Verdict:
     outcome: Outcome
     remedy: str
     contender: str = ""
+    group: str = ""
+    cases: tuple[CaseOutcome, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,6 +165,8 @@ class Claim:
         Of several, all must be met.
     remedy : str
         What spec would test it; default: one with these kinds.
+    group : str
+        Of :data:`GROUPS`.
     """
 
     key: str
@@ -137,22 +175,34 @@ class Claim:
     kinds: tuple[str, ...]
     criteria: tuple[Criterion, ...]
     remedy: str = ""
+    group: str = "paper"
 
     def judge(self, experiments: Sequence[FittedExperiment], resamples: int) -> Verdict:
-        """Return the verdict: one failure decides against the claim, and all parts count."""
-        parts = [
-            [
-                measurement(reading, criterion.rule)
-                for reading in criterion.measure(experiments, self.kinds, resamples)
-            ]
+        """Return the verdict: case by case, and then over all of them."""
+        readings = [
+            list(criterion.measure(experiments, self.kinds, resamples))
             for criterion in self.criteria
         ]
-        outcomes = [together(found.outcome for found in part) for part in parts]
-        lacking = Outcome.NOT_TESTED in outcomes
-        outcome = together(outcomes)
-        if outcome is Outcome.HOLDS and lacking:
-            outcome = Outcome.UNDECIDED
-        remedy = self.remedy or f"a spec with bem and {' or '.join(self.kinds)}"
+        parts = [
+            [measurement(reading, criterion.rule) for reading in found]
+            for criterion, found in zip(self.criteria, readings, strict=True)
+        ]
+        cases = tuple(
+            CaseOutcome(case, _of_case(case, parts))
+            for case in _cases(one for p in parts for one in p)
+        )
+        outcome = agreed(one.outcome for one in cases)
+        untested = [
+            reading.remedy
+            for part, found in zip(parts, readings, strict=True)
+            for one, reading in zip(part, found, strict=True)
+            if one.outcome is Outcome.NOT_TESTED
+        ]
+        lacking = any(
+            agreed(one.outcome for one in part) is Outcome.NOT_TESTED for part in parts
+        )
+        default = self.remedy or f"a spec with bem and {' or '.join(self.kinds)}"
+        remedy = next(filter(None, untested), default)
         return Verdict(
             self.key,
             self.place,
@@ -161,7 +211,23 @@ class Claim:
             tuple(found for part in parts for found in part),
             outcome,
             remedy if lacking and outcome is not Outcome.FAILS else "",
+            group=self.group,
+            cases=cases,
         )
+
+
+def _cases(measurements: Iterable[Measurement]) -> list[str]:
+    return sorted(
+        {one.case for one in measurements}, key=lambda case: (not case, case), reverse=True
+    )
+
+
+def _of_case(case: str, parts: Sequence[Sequence[Measurement]]) -> Outcome:
+    """Return what all criteria say in one case; one without a number leaves it open."""
+    outcomes = [agreed(one.outcome for one in part if one.case in (case, "")) for part in parts]
+    outcome = together(one for one in outcomes if one is not Outcome.NOT_TESTED)
+    lacks = Outcome.NOT_TESTED in outcomes
+    return Outcome.UNDECIDED if outcome is Outcome.HOLDS and lacks else outcome
 
 
 def measurement(reading: Reading, rule: Rule, ranges: tuple[Range, ...] = ()) -> Measurement:
@@ -184,4 +250,7 @@ def measurement(reading: Reading, rule: Rule, ranges: tuple[Range, ...] = ()) ->
         outcome,
         note,
         ranges,
+        found.low,
+        found.high,
+        reading.case,
     )

@@ -10,16 +10,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
-import numpy as np
-
-from roughbench.fits import MISSING, Comparison, Estimate, factors, n_random
+from roughbench.fits import MISSING, Comparison, Estimate
+from roughbench.fits.comparisons import HEIGHTS, PRESSURE_FACTOR
 from roughbench.notation import typeset
 from roughbench.quantities import QUANTITIES
 from roughbench.results import ModelResult
-from roughbench.verdict.experiments import FittedExperiment, models_of, that_differ_in
+from roughbench.verdict.experiments import FittedExperiment, models_of
 from roughbench.verdict.rules import PowerLaw
-from roughbench.verdict.sizes import size_exponent
 
 SYMBOLS = {
     name: typeset(QUANTITIES[name].in_heights) for name in ("area", "separation", "stiffness")
@@ -28,12 +27,15 @@ MANY_SCALES = 32.0
 """q₁/q_r of a spectrum with many scales; the paper's is 1024 or more."""
 ROLLOFF = 8.0
 """q_r/q₀ of the paper's surfaces with a roll-off."""
+CUTOFF = 8192.0
+"""q₁/q₀ of the paper's surfaces."""
 GAMMAS = (0.4, 0.5)
-"""γ of the paper's theory, which says that it is about 0.45."""
+"""γ of the theory at its best: 0.45 of Yang and Persson (2008). The paper does not name it."""
 SMALL_AREA = 0.01
 """A/A0 at which correlations are measured: the nearest pressure, in ln A."""
 SMALL_AREAS = (0.003, 0.03)
 """Where that may lie: a factor of three away."""
+NO_VALUE = "there is no such region, or no value in it"
 OTHER_PRESSURES = "its pressures are not those of the exact solution"
 
 
@@ -52,6 +54,10 @@ class Reading:
         H of the surface, for rules that depend on it.
     missing : str
         Why there is no number, where there is none.
+    case : str
+        Of which surfaces, see :func:`case_of`.
+    remedy : str
+        What would give a number, where that is special.
     """
 
     where: str
@@ -59,7 +65,9 @@ class Reading:
     estimate: Estimate
     note: str = ""
     hurst: float = math.nan
-    missing: str = "there is no such region, or no value in it"
+    missing: str = NO_VALUE
+    case: str = ""
+    remedy: str = ""
 
 
 Experiments = Sequence[FittedExperiment]
@@ -67,6 +75,30 @@ Kinds = Sequence[str]
 Measure = Callable[[Experiments, Kinds, int], Iterator[Reading]]
 """From the experiments, the kinds of models that are meant, and the number of resamples."""
 Condition = Callable[[ModelResult], bool]
+
+
+def case_of(model: ModelResult) -> str:
+    """Return whether the surfaces of a model have a roll-off; empty where that is unknown."""
+    found = model.attributes
+    if "q_rolloff" not in found or "q_min" not in found:
+        return ""
+    has_one = float(found["q_rolloff"]) > float(found["q_min"]) * (1.0 + 1e-9)
+    return "with roll-off" if has_one else "without roll-off"
+
+
+def reading(
+    experiment: FittedExperiment, model: ModelResult, what: str, found: Estimate, **more: Any
+) -> Reading:
+    """Return a number of a model, with the place and the case that it belongs to."""
+    return Reading(experiment.where(model), what, found, case=case_of(model), **more)
+
+
+def closed_note(closed: Estimate | None) -> list[str]:
+    """Say how many pressures a factor leaves out since the model is closed there."""
+    if closed is None or not closed.value > 0.0:
+        return []
+    many = int(closed.value)
+    return [f"closed, and left out, at {many} of these pressures"]
 
 
 def everywhere(_model: ModelResult) -> bool:
@@ -104,28 +136,58 @@ def is_as_published(model: ModelResult) -> bool:
     return usual and not fitted and "area_gamma" not in found
 
 
-_TOO_NARROW = f"q₁ is less than {MANY_SCALES:g} q_r"
+def has_the_papers_size(model: ModelResult) -> bool:
+    """Return whether a surface has the paper's roll-off and its cut-off."""
+    ratio = float(model.attributes.get("q_max", 0.0)) / float(
+        model.attributes.get("q_min", 1.0)
+    )
+    return has_the_rolloff(model) and math.isclose(ratio, CUTOFF)
 
 
-def fitted(name: str, what: str, only: Condition = everywhere) -> Measure:
-    """Return the measure of a fitted number, on the surfaces that meet a condition."""
+TOO_NARROW = f"q₁ is less than {MANY_SCALES:g} q_r"
+WIDER = f"surface.q1 of at least {MANY_SCALES:g} times the largest surface.qr"
+
+
+def fitted(
+    name: str,
+    what: str,
+    only: Condition = everywhere,
+    *,
+    among: Condition = everywhere,
+    except_of: str = "",
+    remedy: str = "",
+) -> Measure:
+    """Return the measure of a fitted number, on the surfaces that meet a condition.
+
+    Parameters
+    ----------
+    name, what : str
+        Of the fit, and in words.
+    only : callable
+        Others are left out, or told of if ``except_of`` says why they do not count.
+    among : callable
+        Surfaces that do not meet this condition are not spoken of at all.
+    except_of, remedy : str
+    """
 
     def measure(experiments: Experiments, kinds: Kinds, _resamples: int) -> Iterator[Reading]:
         for experiment, model, fits in models_of(experiments, kinds):
-            if only(model) and name in fits:
-                yield Reading(experiment.where(model), what, fits[name])
+            if name not in fits or not among(model):
+                continue
+            if only(model):
+                yield reading(experiment, model, what, fits[name], remedy=remedy)
+            elif except_of:
+                why = {"missing": except_of, "remedy": remedy}
+                yield reading(experiment, model, what, MISSING, **why)
 
     return measure
 
 
 def kappa(experiments: Experiments, kinds: Kinds, _resamples: int) -> Iterator[Reading]:
     """Measure κ, on spectra of many scales."""
-    for experiment, model, fits in models_of(experiments, kinds):
-        where = experiment.where(model)
-        if has_many_scales(model):
-            yield Reading(where, "κ", fits["kappa"])
-        else:
-            yield Reading(where, "κ", MISSING, missing=_TOO_NARROW)
+    yield from fitted("kappa", "κ", has_many_scales, except_of=TOO_NARROW, remedy=WIDER)(
+        experiments, kinds, _resamples
+    )
 
 
 def stiffness_exponent(law: PowerLaw) -> Measure:
@@ -136,8 +198,8 @@ def stiffness_exponent(law: PowerLaw) -> Measure:
             if "exponent_expected" in fits:
                 hurst = float(model.attributes["hurst"])
                 note = f"{law.text} = {law.exponent(hurst):.3f}"
-                where = experiment.where(model)
-                yield Reading(where, "n of K ∼ pⁿ", fits["exponent"], note, hurst)
+                more = {"note": note, "hurst": hurst}
+                yield reading(experiment, model, "n of K ∼ pⁿ", fits["exponent"], **more)
 
     return measure
 
@@ -148,14 +210,34 @@ def factor(quantity: str, only: Condition = everywhere) -> Measure:
 
     def measure(experiments: Experiments, kinds: Kinds, _resamples: int) -> Iterator[Reading]:
         for experiment, model, fits in models_of(experiments, kinds):
-            where = experiment.where(model)
             if not only(model):
                 continue
             if name in fits:
                 note = agreement(fits, Comparison(quantity), 50)
-                yield Reading(where, what, fits[name], note)
+                closed = closed_note(fits.get(Comparison(quantity).closed))
+                note = "; ".join([note, *closed])
+                missing = "; ".join([NO_VALUE, *closed])
+                more = {"note": note, "missing": missing}
+                yield reading(experiment, model, what, fits[name], **more)
             elif experiment.exact is not None:
-                yield Reading(where, what, MISSING, missing=OTHER_PRESSURES)
+                yield reading(experiment, model, what, MISSING, missing=OTHER_PRESSURES)
+
+    return measure
+
+
+def pressure_factor(only: Condition = everywhere) -> Measure:
+    """Return the measure of the factor between the pressures at equal mean separation."""
+
+    def measure(experiments: Experiments, kinds: Kinds, _resamples: int) -> Iterator[Reading]:
+        for experiment, model, fits in models_of(experiments, kinds):
+            if only(model) and PRESSURE_FACTOR in fits:
+                ratios = {h: fits[f"pressure_at_{h}h"].value for h in HEIGHTS}
+                known = {h: ratio for h, ratio in ratios.items() if math.isfinite(ratio)}
+                words = ", ".join(f"{ratio:.2g}" for ratio in known.values())
+                places = ", ".join(map(str, known))
+                note = f"{words} times the exact p at ū/h_rms = {places}" if known else ""
+                what = "factor in p at equal ū/h_rms"
+                yield reading(experiment, model, what, fits[PRESSURE_FACTOR], note=note)
 
     return measure
 
@@ -175,91 +257,12 @@ def closing_ratio(experiments: Experiments, kinds: Kinds, _resamples: int) -> It
     for experiment, model, fits in models_of(experiments, kinds):
         if experiment.reference is not None:
             there = experiment.fits[experiment.reference]["half_contact"]
-            ratio = _ratio(there, fits["half_contact"])
+            ratio = ratio_of(there, fits["half_contact"])
             what = f"p at A/A₀ = ½, exact over {model.kind}"
-            yield Reading(experiment.where(model), what, ratio)
+            yield reading(experiment, model, what, ratio)
 
 
-def kappa_over_rolloff(
-    experiments: Experiments, _kinds: Kinds, _resamples: int
-) -> Iterator[Reading]:
-    """Measure κ of surfaces with a roll-off over that of the one with the lowest."""
-    for (first, there), *others in that_differ_in("q_rolloff", experiments):
-        for experiment, here in others:
-            ratio = _ratio(
-                experiment.fits[here.label]["kappa"], first.fits[there.label]["kappa"]
-            )
-            low, high = (float(one.attributes["q_rolloff"]) for one in (there, here))
-            where, what = experiment.where(here), f"κ(q_r = {high:g}) / κ(q_r = {low:g})"
-            if has_many_scales(here):
-                yield Reading(where, what, ratio)
-            else:
-                yield Reading(where, what, MISSING, missing=_TOO_NARROW)
-
-
-def factor_of_cutoff(
-    experiments: Experiments, _kinds: Kinds, resamples: int
-) -> Iterator[Reading]:
-    """Measure by which factor a spectrum that is zero below the roll-off differs."""
-    for (experiment, here), (_, there) in that_differ_in("below_rolloff", experiments):
-        found = factors(here, there, resamples)  # cutoff, rolloff
-        for quantity, symbol in SYMBOLS.items():
-            what = f"factor in {symbol} between cut-off and roll-off"
-            yield Reading(experiment.where(here), what, found[f"{quantity}_factor"])
-
-
-def power_of_size(experiments: Experiments, kinds: Kinds, resamples: int) -> Iterator[Reading]:
-    """Measure how the pressure at a given separation goes with the size of the cell."""
-    for group in that_differ_in("length", experiments):
-        series = [next(iter(one.of_kinds(kinds)), None) for one, _ in group]
-        found = [model for model in series if model is not None]
-        if len(found) != len(group) or any("separation" not in model for model in found):
-            continue
-        first, exact = group[0]
-        start, end = (first.fits[exact.label][f"log_{side}"] for side in ("from", "to"))
-        estimate = size_exponent(found, start.value, end.value, resamples)
-        what = f"s of p ∼ Lˢ at the same ū, {len(found)} cells"
-        yield Reading(group[-1][0].where(found[-1]), what, estimate)
-
-
-def spectrum_exponent(observable: str, law: PowerLaw) -> Measure:
-    """Return the measure of a spectrum's exponent, where the exact area is nearest to 1 %."""
-    name, what = f"{observable}_exponent", f"exponent, {law.text}"
-
-    def measure(experiments: Experiments, kinds: Kinds, _resamples: int) -> Iterator[Reading]:
-        for experiment, model, _ in models_of(experiments, kinds):
-            exact, where = experiment.exact, experiment.where(model)
-            if exact is None or f"{name}_mean" not in model or "hurst" not in model.attributes:
-                continue
-            k = _place_of_small_area(exact)
-            if k is None or not np.array_equal(model["pressure"], exact["pressure"]):
-                low, high = SMALL_AREAS
-                why = f"no pressure has an exact A/A₀ between {low} and {high}"
-                yield Reading(where, what, MISSING, missing=why)
-                continue
-            mean, error = float(model[f"{name}_mean"][k]), float(model[f"{name}_sem"][k])
-            count = n_random(model)
-            estimate = Estimate(mean, error, mean - error, mean + error, 1.0, count=count)
-            hurst = float(model.attributes["hurst"])
-            expected, pressure = law.exponent(hurst), float(model["pressure"][k])
-            note = f"{expected:.2f} expected; at p = {pressure:.2g} E*"
-            yield Reading(where, what, estimate, note, hurst)
-
-    return measure
-
-
-def _place_of_small_area(exact: ModelResult) -> int | None:
-    if "area_mean" not in exact:
-        return None
-    area = np.asarray(exact["area_mean"], float)
-    close = (area >= SMALL_AREAS[0]) & (area <= SMALL_AREAS[1])
-    if not close.any():
-        return None
-    distance = np.abs(np.log(np.where(close, area, math.nan) / SMALL_AREA))
-    return int(np.nanargmin(distance))
-
-
-def _ratio(a: Estimate, b: Estimate) -> Estimate:
+def ratio_of(a: Estimate, b: Estimate) -> Estimate:
     """Return a/b of two estimates; their errors are taken as independent."""
     if not (math.isfinite(a.value) and math.isfinite(b.value)):
         return MISSING

@@ -20,10 +20,14 @@ from roughbench.fits.resampling import student
 
 
 class Outcome(StrEnum):
-    """What a measurement, or all of a claim's, says of the claim."""
+    """What a measurement, or all of a claim's, says of the claim.
+
+    A claim that holds for some surfaces and fails for others depends on them.
+    """
 
     HOLDS = "holds"
     FAILS = "fails"
+    DEPENDS = "depends"
     UNDECIDED = "undecided"
     NOT_TESTED = "not tested"
 
@@ -169,12 +173,29 @@ def near(target: float | PowerLaw, tolerance: float, unit: str = "") -> Rule:
 
 
 def together(outcomes: Iterable[Outcome]) -> Outcome:
-    """Return the outcome of a claim: it holds if it holds wherever it was tested.
+    """Return the outcome of several criteria, all of which must be met.
 
-    One failure is enough against it; else one open case leaves it open.
+    One failure is enough against them; else one open criterion leaves it open.
     """
-    tested = {outcome for outcome in outcomes if outcome != Outcome.NOT_TESTED}
-    for outcome in (Outcome.FAILS, Outcome.UNDECIDED, Outcome.HOLDS):
+    tested = set(outcomes)
+    for outcome in (Outcome.FAILS, Outcome.DEPENDS, Outcome.UNDECIDED, Outcome.HOLDS):
+        if outcome in tested:
+            return outcome
+    return Outcome.NOT_TESTED
+
+
+def agreed(outcomes: Iterable[Outcome]) -> Outcome:
+    """Return what the same criterion says on several surfaces: no single one decides.
+
+    Examples
+    --------
+    >>> str(agreed([Outcome.HOLDS, Outcome.FAILS])), str(agreed([Outcome.HOLDS]))
+    ('depends', 'holds')
+    """
+    tested = set(outcomes) - {Outcome.NOT_TESTED}
+    if Outcome.DEPENDS in tested or {Outcome.HOLDS, Outcome.FAILS} <= tested:
+        return Outcome.DEPENDS
+    for outcome in (Outcome.UNDECIDED, Outcome.FAILS, Outcome.HOLDS):
         if outcome in tested:
             return outcome
     return Outcome.NOT_TESTED

@@ -40,10 +40,19 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.fixture
-def results(folder: Path) -> Path:
-    """Return the results file of ``small.yaml``."""
+@pytest.fixture(scope="session")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of a finished run of ``small.yaml``; to be copied, not used."""
+    folder = tmp_path_factory.mktemp("finished")
+    (folder / "small.yaml").write_text(SPEC)
     rb.run(folder / "small.yaml", output=folder / "small.h5", threads=1)
+    return folder
+
+
+@pytest.fixture
+def results(folder: Path, finished: Path) -> Path:
+    """Return the results file of ``small.yaml``, its run directory beside it."""
+    shutil.copytree(finished, folder, dirs_exist_ok=True)
     return folder / "small.h5"
 
 

@@ -15,8 +15,9 @@ import roughbench as rb
 from roughbench import figures
 from roughbench.cli import main
 from roughbench.fits import NOT_GIVEN, fit
-from roughbench.planning.plan import Cell, plan
-from roughbench.runner import driver
+from roughbench.planning.cells import Cell
+from roughbench.planning.plan import plan
+from roughbench.runner import preparation
 from tests.engines.fakes import AtOnce
 
 GIVEN = {f"area_{kind}" for kind in ("mean", "sem", "median", "q16", "q84")} | {
@@ -49,7 +50,7 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("absent")
     (folder / "s.yaml").write_text(SPEC)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(driver, "plan", with_area_only)
+        patch.setattr(preparation, "plan", with_area_only)
         printed = run("run", folder / "s.yaml", "-o", folder / "r.h5", "-j", 1, "--threads", 1)
     assert "converge" not in printed
     return folder / "r.h5"

@@ -14,6 +14,7 @@ import roughbench as rb
 from roughbench.cli.fit import command
 from roughbench.cli.fit_tables import as_text, to_json
 from roughbench.fits import RESAMPLES, fit
+from roughbench.numbers import is_lopsided, with_interval
 from roughbench.verdict import fit_experiments, trust_of
 from tests.fits.lawful import collect, make
 from tests.fits.test_comparisons import exact_curves, without
@@ -36,9 +37,10 @@ sweep: {surface.qr: [1.0, 4.0]}
 """
 
 
-@pytest.fixture
-def fits(folder: Path) -> Path:
+@pytest.fixture(scope="module")
+def fits(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the results file of the spec above."""
+    folder = tmp_path_factory.mktemp("fits")
     (folder / "fits.yaml").write_text(SPEC)
     rb.run(folder / "fits.yaml", output=folder / "fits.h5", threads=1)
     return folder / "fits.h5"
@@ -59,7 +61,9 @@ def test_prints_a_row_for_every_model(fits: Path, invoke: Invoke) -> None:
             kappa = names["kappa"]
             if not math.isnan(kappa.value):
                 shown = f"{kappa.value:.4g}"
-                if not math.isnan(kappa.error):
+                if is_lopsided(kappa.value, kappa.low, kappa.high):
+                    shown = with_interval(kappa.value, kappa.low, kappa.high)
+                elif not math.isnan(kappa.error):
                     shown += f" ± {kappa.error:.2g}"
                 assert shown in text
     assert "≤ 1e-08" in text  # Persson's area is proportional down to the first pressure
@@ -103,8 +107,8 @@ def test_what_a_model_does_not_give_is_said() -> None:
     fitted = fit(results, resamples=10)
     text = as_text(results, fitted, "file.h5", None)
     assert "A/A0 at equal ū/h_rms within 10 %: from" in text
-    row = text.split("in K h_rms at equal ū/h_rms\n")[1].splitlines()[0]
-    assert row.split() == ["erf09", "1", "±", "0", *["not", "given"] * 4]
+    row = text.split("in p at equal ū/h_rms\n")[1].splitlines()[0]
+    assert row.split() == ["erf09", "1", "±", "0", *["not", "given"] * 5]
     content = json.loads(to_json(results, fitted, None, 10))["experiments"]["main"]["erf09"]
     assert content["kappa"]["value"] is not None
     assert "stiffness_agrees_to_10" not in content

@@ -19,7 +19,8 @@ from click.testing import Result
 
 import roughbench as rb
 from roughbench.cli import COMMANDS
-from roughbench.cli.tables import as_text, to_json
+from roughbench.cli.results_json import to_json
+from roughbench.cli.tables import as_text
 from roughbench.results import ModelResult, Results
 from roughbench.store import write_results
 

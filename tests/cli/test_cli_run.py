@@ -22,7 +22,7 @@ from click.testing import Result
 import roughbench as rb
 from roughbench import runner
 from roughbench.cli import progress as cli_progress
-from roughbench.planning.plan import Block
+from roughbench.planning.tasks import Block
 from roughbench.rundir.collected import Collected
 from roughbench.runner import Progress
 

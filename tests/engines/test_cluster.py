@@ -14,10 +14,10 @@ from typing import Any
 import pytest
 
 import roughbench as rb
-from roughbench.engines import dask_cluster
+from roughbench.engines import dask_scheduler, dask_workers
 from roughbench.errors import IncompleteError
-from roughbench.planning.plan import Cell
-from roughbench.runner import Cluster, Progress, driver
+from roughbench.planning.cells import Cell
+from roughbench.runner import Cluster, Progress, preparation
 from roughbench.spec import load_spec
 from tests.engines.dask_processes import SPEC, Processes, dask_processes
 from tests.engines.fakes import Fake, Misdeed
@@ -38,7 +38,7 @@ def fakes(monkeypatch: pytest.MonkeyPatch, n: int, misdeed: Misdeed, **options: 
     spec = load_spec(SPEC)
     model = Fake(misdeed=misdeed, **options)
     cell = Cell("main", model, spec.surface, spec.pressures, n, spec.seed)
-    monkeypatch.setattr(driver, "plan", lambda _: [cell])
+    monkeypatch.setattr(preparation, "plan", lambda _: [cell])
     module = sys.modules[Cell.__module__]  # the package has a function of its name
     monkeypatch.setattr(module, "SECONDS_PER_TASK", 1e-9)  # one realization each
     return cell
@@ -130,7 +130,7 @@ def test_a_deadly_task_is_given_up(
 def test_workers_with_other_code_are_refused(
     processes: Processes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(dask_cluster, "code_digest", lambda _: "f" * 12)
+    monkeypatch.setattr(dask_workers, "code_digest", lambda _: "f" * 12)
     with pytest.raises(rb.RoughbenchError, match="has another version of roughbench; install"):
         rb.run(SPEC, cluster=processes.here)
 
@@ -170,7 +170,7 @@ def test_too_small_workers_and_a_scheduler_that_dies(
 
 
 def test_a_scheduler_that_is_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(dask_cluster, "SECONDS_FOR_SCHEDULER", 0.5)
+    monkeypatch.setattr(dask_scheduler, "SECONDS_FOR_SCHEDULER", 0.5)
     with pytest.raises(
         rb.RoughbenchError, match=r"tcp://127\.0\.0\.1:1 does not answer .*refused"
     ):
@@ -196,7 +196,7 @@ def test_a_scheduler_that_is_not_there(tmp_path: Path, monkeypatch: pytest.Monke
 def test_something_else_than_a_scheduler_is_not_waited_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(dask_cluster, "SECONDS_FOR_SCHEDULER", 1.0)
+    monkeypatch.setattr(dask_scheduler, "SECONDS_FOR_SCHEDULER", 1.0)
     with socket.create_server(("127.0.0.1", 0)) as listening:  # it never says anything
         port = listening.getsockname()[1]
         start = time.monotonic()

@@ -10,8 +10,9 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from roughbench.engines import compute
-from roughbench.planning.plan import Task, plan
+from roughbench.planning.plan import plan
 from roughbench.planning.samples import make_sample
+from roughbench.planning.tasks import Task
 from roughbench.spec import load_spec
 
 

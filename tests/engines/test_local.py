@@ -17,18 +17,19 @@ from typing import Any
 import pytest
 
 import roughbench as rb
-from roughbench.engines import local
 from roughbench.engines.base import TaskOutcome
 from roughbench.engines.local import compute_here, compute_in_workers
+from roughbench.engines.worker_pool import WorkerPool
 from roughbench.memory import AvailableMemory
 from roughbench.planning import resources
-from roughbench.planning.plan import Cell, Task
+from roughbench.planning.cells import Cell
 from roughbench.planning.resources import (
     ResourceLimits,
     check_memory,
     memory_of,
     resource_limits,
 )
+from roughbench.planning.tasks import Task
 from roughbench.signals import signals_held_back
 from roughbench.spec import load_spec
 from tests.engines.fakes import Fake, Misdeed, StrangeError
@@ -208,11 +209,11 @@ def test_a_worker_whose_parent_is_gone_says_nothing() -> None:
     program = (
         "import os, threading\n"
         "from multiprocessing import Pipe\n"
-        "from roughbench.engines import local\n"
+        "from roughbench.engines import worker_pool\n"
         "ours, theirs = Pipe()\n"
         "watched, alive = Pipe(duplex=False)\n"
         "ours.close()\n"
-        "local._work(theirs, watched)\n"
+        "worker_pool._work(theirs, watched)\n"
     )
     done = subprocess.run(
         [sys.executable, "-c", program],
@@ -287,21 +288,21 @@ def most_at_once(given: list[Task], limits: ResourceLimits, processes: int) -> i
     """Return the largest number of tasks that were running together."""
     running: set[Task] = set()
     most = 0
-    assign, on_end = local.WorkerPool.assign, Spy.on_end
+    assign, on_end = WorkerPool.assign, Spy.on_end
 
     class Counting(Spy):
         def on_end(self, task: Task, outcome: TaskOutcome) -> None:
             running.discard(task)
             on_end(self, task, outcome)
 
-    def counted(pool: local.WorkerPool, task: Task, checkpoint: Any) -> None:
+    def counted(pool: WorkerPool, task: Task, checkpoint: Any) -> None:
         nonlocal most
         running.add(task)
         most = max(most, len(running))
         assign(pool, task, checkpoint)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(local.WorkerPool, "assign", counted)
+        patch.setattr(WorkerPool, "assign", counted)
         compute_in_workers(
             given,
             processes=processes,

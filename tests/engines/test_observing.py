@@ -29,9 +29,10 @@ from roughbench.observables import (
     persson_pressure_shares,
     persson_stress_spectrum,
 )
-from roughbench.planning.plan import Task, plan
+from roughbench.planning.plan import plan
 from roughbench.planning.resources import memory_of
 from roughbench.planning.samples import make_sample
+from roughbench.planning.tasks import Task
 from roughbench.results import ModelResult, Results
 from roughbench.rundir import checkpoint as checkpoints
 from roughbench.rundir.identity import identity

@@ -22,6 +22,7 @@ from roughbench.results import ModelResult, Results
 FloatArray = NDArray[np.float64]
 Make = Callable[..., ModelResult]
 Draw = Callable[[Results, str], Figure]
+Drawn = dict[str, Figure]
 TITLES = {
     "bem": "Exact (BEM)",
     "foundation": "Popov (1D foundation)",
@@ -96,24 +97,35 @@ def collect() -> Callable[..., Results]:
 
 
 @pytest.fixture
-def draw() -> Draw:
-    """Return a callable that draws a figure by name, laid out but not saved."""
+def draw(shared: dict[int, Drawn]) -> Draw:
+    """Return a callable that draws a figure by name, laid out but not saved.
+
+    Those of ``computed`` are drawn once, and are to be looked at only.
+    """
 
     def build(results: Results, name: str) -> Figure:
-        recipe = FIGURES[name]
-        assert recipe.missing(results) is None
-        with publication_style():
-            figure = recipe.draw(results)
-            figure.draw_without_rendering()
-        return figure
+        drawn = shared.get(id(results), {})
+        if name not in drawn:
+            recipe = FIGURES[name]
+            assert recipe.missing(results) is None
+            with publication_style():
+                drawn[name] = recipe.draw(results)
+                drawn[name].draw_without_rendering()
+        return drawn[name]
 
     return build
 
 
 @pytest.fixture(scope="session")
-def computed() -> Results:
+def shared() -> dict[int, Drawn]:
+    """Return the figures that were drawn of results which several tests share."""
+    return {}
+
+
+@pytest.fixture(scope="session")
+def computed(shared: dict[int, Drawn]) -> Results:
     """Return the results of a run of two experiments, from light to full contact."""
-    return rb.run(
+    results = rb.run(
         {
             "name": "computed",
             "surface": {"H": 0.7, "q0": 1.0, "q1": 32.0, "slope": 0.1},
@@ -125,6 +137,8 @@ def computed() -> Results:
             "sweep": {"surface.qr": [1.0, 4.0]},
         }
     )
+    shared[id(results)] = {}
+    return results
 
 
 @pytest.fixture(scope="session")

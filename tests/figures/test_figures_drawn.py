@@ -315,7 +315,7 @@ def test_each_experiment_has_a_panel_in_fig_4(make: Make, collect: Collect, draw
         )
 
 
-# -- Fig. 2 --------------------------------------------------------------------------------
+# -- the spectrum, Fig. 2 ------------------------------------------------------------------
 
 
 def test_the_spectrum_and_its_wavevectors(computed: Results, draw: Draw) -> None:
@@ -379,7 +379,7 @@ def test_the_periodogram_of_a_line_is_the_spectrum(
         assert np.abs(deviation).max() > 0.5
 
 
-# -- Fig. 1 --------------------------------------------------------------------------------
+# -- the foundation, Fig. 1 ----------------------------------------------------------------
 
 
 def test_the_springs_are_those_of_the_results(computed: Results, draw: Draw) -> None:

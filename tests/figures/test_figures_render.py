@@ -27,7 +27,8 @@ Make = Callable[..., ModelResult]
 Collect = Callable[..., Results]
 Draw = Callable[[Results, str], Figure]
 CURVES = ["area", "separation", "stiffness", "fig3"]
-PAPER = ["foundation", "spectrum", *CURVES]
+PRINTED = ["printed_fig3", "printed_fig4"]
+PAPER = ["foundation", "spectrum", *CURVES, *PRINTED]
 
 
 def test_a_full_run_allows_all_figures(computed: Results) -> None:
@@ -114,7 +115,7 @@ def test_without_a_foundation_there_is_no_fig_1(
 ) -> None:
     small_spec["models"] = [{"kind": "persson"}]
     results = rb.run(small_spec)
-    assert figures.available(results) == ["spectrum", *CURVES]
+    assert figures.available(results) == ["spectrum", *CURVES, *PRINTED]
     with pytest.raises(
         rb.StoreError,
         match=r"needs the fields of a foundation, .*allow: spectrum, area, separation",
@@ -172,7 +173,7 @@ def test_a_spec_that_cannot_be_read_leaves_what_is_in_the_results(
     computed: Results, tmp_path: Path
 ) -> None:
     results = replace(computed, spec_text="surface: {H: 7}")
-    assert figures.available(results) == ["foundation", *CURVES, "contact"]
+    assert figures.available(results) == ["foundation", *CURVES, *PRINTED, "contact"]
     with pytest.raises(rb.StoreError, match="'spectrum' needs the results' spec"):
         figures.render(results, "spectrum", tmp_path)
 

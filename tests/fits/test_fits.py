@@ -167,7 +167,13 @@ def test_factors_are_taken_where_the_reference_is_proportional() -> None:
     assert other["separation_factor"].value == 1.0
     values["separation"][:, P > 0.09] = 0.0
     closed = fit(collect(reference, make(values, "winkler")))["main"]["winkler"]
-    assert closed["separation_factor"].value == math.inf
+    assert closed["separation_factor"].value == 1.0  # closed pressures have no factor
+    assert closed["separation_closed"].value == (P > 0.09).sum()
+    assert other["separation_closed"].value == 0
+    values["separation"][:, P[inside][1] < P] = 0.0
+    closed = fit(collect(reference, make(values, "winkler")))["main"]["winkler"]
+    assert math.isnan(closed["separation_factor"].value)  # fewer than three are open
+    assert closed["separation_closed"].value == inside.sum() - 2
 
 
 def test_lengths_are_compared_in_units_of_the_realized_heights() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -9,7 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from roughbench.fits.windows import straight_line, widest_between, widest_flat
+from roughbench.fits.windows import (
+    part_between,
+    straight_line,
+    widest_between,
+    widest_flat,
+    widest_run,
+)
 
 values = st.lists(
     st.one_of(st.floats(-2, 2), st.just(math.nan), st.just(math.inf)), min_size=2, max_size=9
@@ -49,6 +56,33 @@ def test_curves_do_not_disturb_each_other() -> None:
     start, end = widest_between(x, y, np.full(3, 1.0), np.full(3, 3.0))
     np.testing.assert_array_equal(start, [0.5, math.nan, 2.0])
     np.testing.assert_array_equal(end, [2.5, math.nan, 3.0])
+
+
+LEVELS = st.sampled_from([-1.0, 0.0, 0.25, 0.5, 1.0, 2.0, math.nan, math.inf])
+
+
+@given(
+    st.lists(st.lists(LEVELS, min_size=5, max_size=5), min_size=1, max_size=4),
+    st.tuples(st.floats(-1, 1), st.sampled_from([-1.0, 0.0, 0.25])),
+)
+def test_many_curves_at_many_levels_are_each_walked_alone(
+    curves: list[list[float]], lows: tuple[float, float]
+) -> None:
+    """To the last bit: step by step, part after part."""
+    x, y = np.array([0.0, 0.1, 0.4, 0.6, 1.3]), np.array(curves)
+    low = np.array(lows)[:, None] + np.zeros(len(curves))
+    starts, ends = widest_between(x, y, low, low + 1.0)
+    for level, curve in np.ndindex(low.shape):
+        bottom = low[level, curve, None]
+        steps = itertools.pairwise(y[curve, :, None])
+        parts = (part_between(a, b, bottom, bottom + 1.0) for a, b in steps)
+        found = starts[level, curve], ends[level, curve]
+        np.testing.assert_array_equal(found, widest_run(x, parts))
+
+
+def test_without_pressures_there_is_no_range() -> None:
+    start, end = widest_between(np.zeros(0), np.zeros((2, 0)), np.zeros(2), np.ones(2))
+    assert np.isnan([*start, *end]).all()
 
 
 @given(st.lists(st.floats(-1, 1), min_size=2, max_size=8), st.floats(0.05, 0.5))

@@ -1,4 +1,4 @@
-"""The highest asperity alone: Hertz, eq. (10), the exact solver at low pressure."""
+"""The highest asperity alone: Hertz, exponent of eq. (10), the exact solver at low pressure."""
 
 from __future__ import annotations
 

@@ -85,7 +85,18 @@ def change() -> Change:
 def a_verdict(number: int, text: str = "", outcome: Outcome = Outcome.HOLDS) -> Verdict:
     """Return a verdict with two measurements, one of them without value and error."""
     measurements: tuple[Measurement, ...] = (
-        Measurement(f"main/bem{text}", f"κ{text}", 2.05, 0.02, "", outcome, f"a note{text}"),
+        Measurement(
+            f"main/bem{text}",
+            f"κ{text}",
+            2.05,
+            0.02,
+            "",
+            outcome,
+            f"a note{text}",
+            (),
+            2.03,
+            2.07,
+        ),
         Measurement("main/persson", "κ", np.nan, np.nan, "≤", Outcome.UNDECIDED, ""),
     )
     if outcome is Outcome.NOT_TESTED:

@@ -12,11 +12,8 @@ import pytest
 from matplotlib.image import imread
 
 from roughbench.report.sources import ReportSource
-from roughbench.report.surfaces import (
-    fit_in_words,
-    surface_sections,
-    synthetic_table,
-)
+from roughbench.report.surface_tables import fit_in_words, synthetic_table
+from roughbench.report.surfaces import surface_sections
 from roughbench.report.text import plain
 from roughbench.results import Results
 from roughbench.surface_record import fitted_spectrum

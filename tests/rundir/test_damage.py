@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 
 import roughbench as rb
 from roughbench import runner
-from roughbench.planning.plan import Cell
+from roughbench.planning.cells import Cell
 from roughbench.rundir import checkpoint as checkpoints
 from roughbench.rundir.checkpoint import Checkpoint
 from roughbench.rundir.folder import RunFolder
-from roughbench.runner import driver
+from roughbench.runner import preparation
 from roughbench.spec import load_spec
 from tests.engines.fakes import Steps
 
@@ -100,7 +100,7 @@ def steps(small_spec: Tree, monkeypatch: pytest.MonkeyPatch) -> Any:
 
     def planned(stop: int) -> None:
         cell = Cell("main", Steps(stop=stop, label="steps"), spec.surface, pressures, 1, 1)
-        monkeypatch.setattr(driver, "plan", lambda _: [cell])
+        monkeypatch.setattr(preparation, "plan", lambda _: [cell])
 
     return planned
 

@@ -20,7 +20,9 @@ from hypothesis import strategies as st
 import roughbench as rb
 from roughbench.engines.compute import compute
 from roughbench.errors import LockedError
-from roughbench.planning.plan import Block, Cell, Task, plan
+from roughbench.planning.cells import Cell
+from roughbench.planning.plan import plan
+from roughbench.planning.tasks import Block, Task
 from roughbench.publish import publish
 from roughbench.rundir.folder import RunFolder
 from roughbench.rundir.identity import Identity, identity, key_of

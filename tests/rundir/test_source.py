@@ -131,6 +131,24 @@ def test_words_in_the_package_keep_the_identity_and_numbers_change_it(
     assert digest() == before
 
 
+def test_the_loops_of_the_solver_are_part_of_the_identity(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    real = Path.read_text
+    changed = "\nMORE = 1\n"
+
+    def read(path: Path, *arguments: str, **options: str) -> str:
+        return real(path, *arguments, **options) + changed * (path.parent.name == "loops")
+
+    identity.code_digest.cache_clear()
+    before = {model: identity.code_digest(model) for model in (Foundation, HalfSpace)}
+    monkeypatch.setattr(Path, "read_text", read)
+    identity.code_digest.cache_clear()
+    assert identity.code_digest(Foundation) == before[Foundation]
+    assert identity.code_digest(HalfSpace) != before[HalfSpace]
+    identity.code_digest.cache_clear()
+
+
 def test_a_word_discards_nothing_that_was_observed(monkeypatch: pytest.MonkeyPatch) -> None:
     before = identity.observing_digest()
     real = Path.read_text

@@ -13,7 +13,9 @@ from roughbench import runner
 from roughbench.engines.compute import compute
 from roughbench.heights_file import load_heights
 from roughbench.planning import measured
-from roughbench.planning.plan import Cell, Task, plan
+from roughbench.planning.cells import Cell
+from roughbench.planning.plan import plan
+from roughbench.planning.tasks import Task
 from roughbench.rundir.folder import RunFolder
 from roughbench.spec import load_spec
 
@@ -89,7 +91,7 @@ def test_workers_refuse_what_the_plan_did_not_see(heights: list[Path]) -> None:
     put(heights[1])
     news: list[runner.Progress] = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("roughbench.runner.driver.plan", lambda _: cells)
+        patch.setattr("roughbench.runner.preparation.plan", lambda _: cells)
         with pytest.raises(rb.SolverError, match="changed since the run began"):
             rb.run(folder / "spec.yaml", output=folder / "r.h5", jobs=2, progress=news.append)
     assert [RunFolder(folder / "r.h5").shards(key) for key in _keys(folder)] == []

@@ -20,13 +20,15 @@ from numpy.typing import NDArray
 import roughbench as rb
 from roughbench import figures
 from roughbench.cli import main
-from roughbench.cli.tables import as_text, observables_csv, summary_csv
+from roughbench.cli.results_csv import observables_csv, summary_csv
+from roughbench.cli.tables import as_text
 from roughbench.engines.compute import compute
 from roughbench.errors import RoughbenchError, StoreError
 from roughbench.figures.rebuild import spec_fault
 from roughbench.observables import OBSERVABLES
 from roughbench.observables.described import DescribedObservable, described, description
-from roughbench.planning.plan import Task, plan
+from roughbench.planning.plan import plan
+from roughbench.planning.tasks import Task
 from roughbench.report import make_report
 from roughbench.rundir.identity import identity, key_of, observing_digest
 from roughbench.spec import json_schema

@@ -13,12 +13,12 @@ import pytest
 import roughbench as rb
 from roughbench import runner
 from roughbench.errors import IncompleteError
-from roughbench.planning.plan import Cell
+from roughbench.planning.cells import Cell
 from roughbench.rundir import checkpoint as checkpoints
 from roughbench.rundir.folder import RunFolder
 from roughbench.rundir.journal import log_task
 from roughbench.rundir.shards import Shard
-from roughbench.runner import driver, inspection, monitor
+from roughbench.runner import inspection, monitor, preparation
 from roughbench.spec import load_spec
 from tests.engines.fakes import Fake, Misdeed, Steps
 
@@ -251,7 +251,7 @@ def cells(small_spec: Tree, monkeypatch: pytest.MonkeyPatch) -> list[Cell]:
         Cell("main", Fake(label=label, misdeed=deed), spec.surface, spec.pressures, 2, 1)
         for label, deed in models
     ]
-    monkeypatch.setattr(driver, "plan", lambda _: found)
+    monkeypatch.setattr(preparation, "plan", lambda _: found)
     return found
 
 
@@ -302,11 +302,11 @@ def test_a_killed_curve_goes_on_from_its_last_pressure(
     monkeypatch.setattr(checkpoints, "COST", 1e9)
     # The stop is what kills it, not what the numbers depend on.
     monkeypatch.setattr("roughbench.runner.scan.identity", lambda *_: {"model.kind": "steps"})
-    monkeypatch.setattr(driver, "plan", lambda _: [steps(small_spec, 7)])
+    monkeypatch.setattr(preparation, "plan", lambda _: [steps(small_spec, 7)])
     with pytest.raises(rb.SolverError, match="killed") as caught:
         rb.run(small_spec, output=output)
     assert caught.value.__notes__[-1] == f"7 of 10 states are kept in {output}.rbrun"
-    monkeypatch.setattr(driver, "plan", lambda _: [steps(small_spec, 10)])
+    monkeypatch.setattr(preparation, "plan", lambda _: [steps(small_spec, 10)])
     kept = list(output.with_name("r.h5.rbrun").glob("checkpoints/*.npz"))
     assert len(kept) == 1
     if damage:
@@ -333,7 +333,7 @@ def test_a_killed_curve_is_seen_whatever_its_threads(
         "roughbench.runner.scan.identity",
         lambda _, threads: {"model.kind": "steps", "threads": threads},
     )
-    for place in (driver, inspection):
+    for place in (preparation, inspection):
         monkeypatch.setattr(place, "plan", lambda _: [steps(small_spec, 7)])
     with pytest.raises(rb.SolverError, match="killed"):
         rb.run(small_spec, output=output, **options)
@@ -343,7 +343,7 @@ def test_a_killed_curve_is_seen_whatever_its_threads(
     assert reasons(small_spec, output, threads=3) == {"main/steps:1-1": "new"}
     if "jobs" in options:  # other threads would do as well, and those of before are taken
         assert reasons(small_spec, output, jobs=1) == seen
-        monkeypatch.setattr(driver, "plan", lambda _: [steps(small_spec, 10)])
+        monkeypatch.setattr(preparation, "plan", lambda _: [steps(small_spec, 10)])
         news: list[runner.Progress] = []
         rb.run(small_spec, output=output, jobs=1, progress=news.append)
         assert [n.done for n in news] == [0, 8, 9, 10]

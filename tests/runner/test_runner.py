@@ -14,9 +14,10 @@ from roughbench.engines.compute import compute
 from roughbench.models.base import Status
 from roughbench.models.foundation import foundation_curve
 from roughbench.models.persson import Persson, persson_curve
-from roughbench.planning.plan import Cell, Task, cut
+from roughbench.planning.cells import Cell
 from roughbench.planning.samples import make_sample
-from roughbench.runner import Progress, check, driver, plan
+from roughbench.planning.tasks import Task, cut
+from roughbench.runner import Progress, check, plan, preparation
 from roughbench.runner.assemble import assemble
 from roughbench.spec import load_spec
 from tests.engines.fakes import AtOnce, Fake, Misdeed
@@ -170,7 +171,7 @@ def test_a_model_gives_the_same_quantities_of_all_realizations(
     with pytest.raises(rb.SolverError, match=message):
         compute(whole(fickle))
     # The same where each realization is a task, with a run directory and without.
-    monkeypatch.setattr(driver, "plan", lambda _: [fickle])
+    monkeypatch.setattr(preparation, "plan", lambda _: [fickle])
     monkeypatch.setattr("roughbench.runner.scan.cut", one_by_one)
     for output in (None, tmp_path / "r.h5"):
         with pytest.raises(rb.RoughbenchError, match="energy, unlike the realizations before"):
@@ -263,7 +264,7 @@ def test_nothing_is_written_when_a_task_fails(
     from roughbench.runner import driver
 
     cells = [replace(cell, model=Fake(misdeed="refuse"))]
-    monkeypatch.setattr(driver, "plan", lambda _: cells)
+    monkeypatch.setattr(preparation, "plan", lambda _: cells)
     with pytest.raises(rb.SolverError, match="refused"):
         driver.run(small_spec, output=tmp_path / "r.h5")
     assert [entry.name for entry in tmp_path.iterdir()] == ["r.h5.rbrun"]

@@ -12,6 +12,7 @@ import xarray as xr
 
 import roughbench as rb
 from roughbench.runner import plan
+from roughbench.runner.recording import records
 from roughbench.spec import load_spec
 from roughbench.spectrum import self_affine
 from roughbench.surface import make_surface, realization_generator
@@ -107,6 +108,28 @@ def test_the_file_remembers_the_surface(spec: Path) -> None:
     assert "surface_map" not in rb.load(output)["scan"]["bem"]
 
 
+def test_a_record_takes_the_scan_as_the_plan_prepared_it(
+    spec: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Neither prepared nor checked again, and as ``characterize`` describes it."""
+    cells = plan(load_spec(spec))
+    with monkeypatch.context() as patch:
+        for name in ("steps.Preparing.__init__", "doubts.Case.of"):
+            patch.delattr(f"roughbench.scans.{name}")
+        [record] = records(cells).values()
+    found = rb.characterize(
+        spec.parent / "plate.npy",
+        size="10 um, 5 um",
+        unit="nm",
+        detrend="plane",
+        edges="mirror",
+    )
+    assert record.fit == (None if found.fit is None else found.fit.to_dict())
+    assert record.warnings == found.warnings
+    assert record.parameters["Sku"] == found.prepared.Sku
+    np.testing.assert_array_equal(record.spectrum[1], found.surface.binned().power)
+
+
 def test_the_bytes_do_not_depend_on_the_jobs(spec: Path) -> None:
     found = []
     for jobs in (1, 2):
@@ -136,7 +159,7 @@ def test_a_scan_that_changes_under_a_run_is_refused(
     cells = plan(load_spec(spec))
     np.save(spec.parent / "plate.npy", rough(seed=2))
     plan(load_spec(spec))  # what this process prepared last is the other one
-    monkeypatch.setattr("roughbench.runner.driver.plan", lambda _: cells)
+    monkeypatch.setattr("roughbench.runner.preparation.plan", lambda _: cells)
     with pytest.raises(rb.SolverError, match="changed since the run began"):
         rb.run(spec)
 

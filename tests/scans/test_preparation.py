@@ -130,6 +130,16 @@ def test_too_much_is_missing() -> None:
         prepare(scan_of(heights), Preparation())
 
 
+def test_a_scan_without_any_slope_is_refused() -> None:
+    """Before anything is computed on it: what is filled could not be judged."""
+    heights = rough(64)
+    heights[::2] = np.nan
+    with pytest.raises(SurfaceError, match=r"^plate\.npy: .* nowhere enough neighbours"):
+        prepare(scan_of(heights), Preparation(fill=0.6, edges="mirror"))
+    with pytest.raises(SurfaceError, match="and fill allows 40 %"):
+        prepare(scan_of(heights), Preparation(fill=0.4, edges="mirror"))
+
+
 def test_outliers_count_as_missing() -> None:
     heights = rough(64)
     heights[10, 12] += 1e-6

@@ -11,8 +11,11 @@ from roughbench.errors import SurfaceError
 from roughbench.scans.detrending import DETREND, fit_trend
 from roughbench.scans.edges import border_jump, crop, mirror, taper, without_missing_border
 from roughbench.scans.outliers import find_outliers
+from roughbench.scans.preparation import Preparation, prepare
 from roughbench.scans.resampling import resample, square_grid
 from roughbench.scans.rms import rms_height_and_gradient
+from roughbench.scans.roughness import roughness
+from roughbench.scans.topography import Scan
 from roughbench.spectrum import self_affine
 from roughbench.surface import make_surface, realization_generator
 
@@ -220,10 +223,33 @@ def test_rms_values_by_the_whole_array(rng: np.random.Generator) -> None:
     _, slope = rms_height_and_gradient(heights, (0.5, 0.3), periodic=True)
     expected = np.sqrt(np.mean(around[0] ** 2 / 0.25 + around[1] ** 2 / 0.09))
     assert slope == pytest.approx(expected, rel=1e-12)
-    heights[rng.random(heights.shape) < 0.3] = np.nan
-    dy, dx = np.diff(heights, axis=0) / 0.5, np.diff(heights, axis=1) / 0.3
-    height, slope = rms_height_and_gradient(heights, (0.5, 0.3), periodic=False)
-    assert height == pytest.approx(np.nanstd(heights), rel=1e-9)
-    assert slope == pytest.approx(
-        np.sqrt(np.nanmean(dy[:, :-1] ** 2 + dx[:-1] ** 2)), rel=1e-12
-    )
+
+
+@pytest.mark.parametrize("periodic", [False, True])
+def test_rms_values_beside_holes(rng: np.random.Generator, *, periodic: bool) -> None:
+    """A place counts if no point within two steps is missing; place by place."""
+    heights = rng.normal(size=(31, 23))
+    heights[rng.random(heights.shape) < 0.1] = np.nan
+    rows, columns = heights.shape
+    found = []
+    for i, j in np.ndindex(rows, columns) if periodic else np.ndindex(rows - 1, columns - 1):
+        near = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)]
+        h = [heights[(i + down) % rows, (j + right) % columns] for down, right in near]
+        if np.isfinite(h).all():
+            found.append(((h[1] - h[0]) / 0.5) ** 2 + ((h[2] - h[0]) / 0.3) ** 2)
+    height, slope = rms_height_and_gradient(heights, (0.5, 0.3), periodic=periodic)
+    assert 0 < len(found) < 0.8 * heights.size
+    assert height == pytest.approx(np.nanstd(heights), rel=1e-12)
+    assert slope == pytest.approx(np.sqrt(np.mean(found)), rel=1e-12)
+    heights[::2] = np.nan
+    assert np.isnan(rms_height_and_gradient(heights, (0.5, 0.3), periodic=periodic)[1])
+
+
+def test_sq_and_sdq_have_one_rule(rng: np.random.Generator) -> None:
+    """In the record of a scan's steps, and among the numbers that describe it."""
+    heights = rng.normal(size=(40, 30)).cumsum(0)
+    heights[rng.random(heights.shape) < 0.05] = np.nan
+    scan = Scan(heights, (4.0, 3.0))
+    step = prepare(scan, Preparation(fill=0.1)).steps[0]
+    described = roughness(heights, (4.0, 3.0))
+    assert (step.Sq, step.Sdq) == (described.Sq, described.Sdq)

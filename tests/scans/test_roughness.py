@@ -127,7 +127,7 @@ def test_blocks_are_immaterial(
     heights[rng.random(heights.shape) < 0.03] = np.nan
     whole = roughness(heights, (1.0, 2.0))
     for points in (1, 40, 200):
-        monkeypatch.setattr("roughbench.scans.roughness._BLOCK", points)
+        monkeypatch.setattr("roughbench.scans.rms._BLOCK", points)
         found = roughness(heights, (1.0, 2.0))
         for name in ("Sa", "Sq", "Ssk", "Sku", "Sdq", "Sdr", "m4", "direction"):
             assert getattr(found, name) == pytest.approx(getattr(whole, name)), name

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from roughbench.errors import SurfaceError
-from roughbench.scans.spectra import HANN_WIDTH, profile_spectrum, surface_spectrum
+from roughbench.scans.measured_spectrum import HANN_WIDTH
+from roughbench.scans.spectra import profile_spectrum, surface_spectrum
 from roughbench.spectrum import self_affine
 from roughbench.surface import make_surface, realization_generator, rms_height_and_slope
 

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from roughbench.errors import SurfaceError
-from roughbench.scans import tables
+from roughbench.scans import number_blocks, number_text, tables
 from roughbench.scans.image import FloatArray
 from roughbench.scans.topography import Scan, read_scan
 from tests.scans.writers import write_xyz
@@ -201,8 +201,8 @@ def test_several_matrices_are_channels(tmp_path: Path) -> None:
 
 
 def test_a_long_file_is_read_in_pieces(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tables, "_CHUNK", 100)
-    monkeypatch.setattr(tables, "_SAMPLE", 10)
+    monkeypatch.setattr(number_text, "_CHUNK", 100)
+    monkeypatch.setattr(number_blocks, "_SAMPLE", 10)
     heights = H.copy()
     heights[4, 2] = np.nan
     content = "# Value units: nm\n" + text(

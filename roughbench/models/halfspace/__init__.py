@@ -4,7 +4,8 @@
 and their units. ``solver`` is the outer loop, with ``start`` for where it begins,
 ``evaluation`` for the gap that a pressure leads to, and ``certificate`` for when that counts
 as solved. ``relaxation`` is the inner loop, ``tangent`` the stiffness, both on a
-``workspace``: ``operator`` or ``direct`` for the elasticity, and ``preconditioner``.
+``workspace``: ``operator`` or ``direct`` for the elasticity, and ``preconditioner``. With an
+upper bound on the pressure, ``bounded`` and ``plastic`` take the place of some of these.
 ``loops``, run by ``threads``, and :mod:`roughbench.transform` do the array work; ``options``
 are those that it shares with :mod:`roughbench.models.line`.
 """
@@ -22,8 +23,11 @@ from roughbench.models._grids import GridOption
 from roughbench.models.base import FloatArray, Model, Needs, Sample, State
 from roughbench.models.halfspace.memory import needed
 from roughbench.models.halfspace.options import (
+    BoundaryOption,
     CorrectionOption,
+    HardnessOption,
     PrecisionOption,
+    ScreeningOption,
     ToleranceOption,
 )
 from roughbench.models.style import Style
@@ -40,7 +44,7 @@ class HalfSpace(Model):
     sampling: ClassVar[tuple[str, ...]] = ("grid",)
     fewest_points_per_wave: ClassVar[float] = 4.0
     has_fields: ClassVar[bool] = True
-    later: ClassVar[tuple[str, ...]] = ("correction",)
+    later: ClassVar[tuple[str, ...]] = ("correction", "hardness", "screening", "boundary")
 
     kind: Literal["bem"] = "bem"
     grid: GridOption = Field(
@@ -53,10 +57,23 @@ class HalfSpace(Model):
     tolerance: ToleranceOption = 1e-6
     precision: PrecisionOption = "mixed"
     correction: CorrectionOption = "perimeter"
+    hardness: HardnessOption = None
+    screening: ScreeningOption = 0.0
+    boundary: BoundaryOption = "periodic"
+
+    @property
+    def highest_pressure(self) -> float | None:
+        """The hardness: no more can be carried on average."""
+        return self.hardness
 
     def memory(self, n_points: int) -> int:
         """Estimate the bytes of a sample: its heights, and what the solver counts."""
-        return 8 * n_points + needed(n_points, double=self.precision == "double")
+        return 8 * n_points + needed(
+            n_points,
+            double=self.precision == "double",
+            free=self.boundary == "free",
+            bounded=self.hardness is not None,
+        )
 
     def thriftier(self) -> Mapping[str, str]:
         """Single precision where there was double."""
@@ -92,6 +109,9 @@ class HalfSpace(Model):
             tolerance=self.tolerance,
             precision=self.precision,
             correction=self.correction,
+            screening=self.screening,
+            boundary=self.boundary,
+            hardness=self.hardness,
             threads=threads,
             finished=finished,
         )

@@ -7,10 +7,13 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from roughbench.errors import SolverError
 from roughbench.inputs import real_number
-from roughbench.models.base import CompleteCurve, Status
-from roughbench.models.halfspace.options import Correction, Precision
-from roughbench.models.halfspace.problem import Problem
+from roughbench.models.base import CompleteCurve, FloatArray, Status
+from roughbench.models.halfspace.approach import solve_approach
+from roughbench.models.halfspace.options import Boundary, Correction, Precision
+from roughbench.models.halfspace.problem import Length, Problem
+from roughbench.models.halfspace.separation import no_contact, solve_at_separation
 from roughbench.models.halfspace.solver import Solution, Solver
 from roughbench.models.halfspace.states import solve_states
 from roughbench.models.halfspace.working_set import WorkingSet
@@ -26,20 +29,30 @@ class ContactState:
     area_fraction_raw : float
         Points in contact / all points.
     mean_separation : float
-        ū, the unit of the heights.
+        ū, the unit of the heights. On a free half-space minus the approach, counted from the
+        first contact.
+    force : float
+        Σ of the pressures over the points' areas, modulus · length²; of a line per length.
     energy : float
         Elastic energy per nominal area U/A0, modulus · length.
     status : Status
         ``CONVERGED`` only if the certificate holds for the tolerance.
     certificate : Certificate
         Complementarity, penetration and load error, recomputed in float64.
+    plastic_depth : float
+        Mean of −gap over plastic points, per point of the grid, length; 0 without a hardness.
+        The mean gap that is left is ``mean_separation + plastic_depth``.
     pressure : ndarray of float64
         Contact pressure, shape of the heights, unit of the modulus.
     gap : ndarray of float64
         Local separation, shape of the heights, length; in contact it is zero up to the
-        certificate.
+        certificate, and at plastic points negative: so far the material has given way.
     iterations, transform_pairs : int
         Work that the state took.
+    history : list of Progress, or None
+        Where it was asked for: ``transform_pairs``, ``error`` and ``is_certified`` of each
+        iteration and evaluation. With a prescribed separation those of all loads tried, each
+        counted from zero.
 
     Notes
     -----
@@ -49,7 +62,11 @@ class ContactState:
 
     def __init__(self, problem: Problem, solution: Solution | None, load: float) -> None:
         solver = problem.solver
-        self._tangent = None if solution is None else _Tangent(problem, solution.points)
+        self.force = load * problem.pressure_unit * problem.area
+        self._tangent = (
+            None if solution is None else _Tangent(problem, solver.elastic(solution.points))
+        )
+        self.plastic_depth = 0.0 if solution is None else solution.plastic_depth * solver.rms
         if solution is None:
             self.area_fraction = self.area_fraction_raw = 1.0
             self.mean_separation = 0.0
@@ -61,16 +78,20 @@ class ContactState:
             self.area_fraction, self.area_fraction_raw = solver.area(
                 solution.points, problem.correction
             )
-            self.mean_separation = solution.separation * solver.rms
+            self.mean_separation = solution.separation * problem.height_unit
             self.energy = solution.energy * problem.energy_unit
             self.status = solution.status
             self.certificate = solution.certificate
             self.iterations, self.transform_pairs = solution.iterations, solution.pairs
+        self.history = solver.history
         fields = problem.fields(solution, load)
         self.pressure, self.gap = fields.pressure, fields.gap
 
     def stiffness(self) -> float:
-        """K = −dp/dū at frozen contact, modulus/length; inf at full contact."""
+        """K = −dp/dū at frozen contact, modulus/length; inf at full contact.
+
+        On a free half-space dF/dδ, modulus · length, of the force and the approach.
+        """
         return math.inf if self._tangent is None else self._tangent.stiffness()
 
 
@@ -88,30 +109,39 @@ class _Tangent:
         self._tolerance = solver.tolerance
         self._options = problem.options
         self._pressure_unit, self._rms = problem.pressure_unit, solver.rms
+        self._area = problem.area if problem.free else 1.0
         self._value: float | None = None
 
     def stiffness(self) -> float:
         """K, modulus/length; computed once."""
         if self._value is None:
             # With the contact frozen the heights do not matter: flat ones will do.
-            solver = Solver(np.zeros(*self._heights), self._tolerance, **self._options)
+            options = self._options | {"hardness": None}  # plastic points are left out
+            solver = Solver(np.zeros(*self._heights), self._tolerance, **options)
             # Of a copy: the tangent problem needs room beside the pressures.
             value, _ = solver.tangent(self._points.in_contact())
-            self._value = float(value * self._pressure_unit / self._rms)
+            self._value = float(value * self._pressure_unit / self._rms * self._area)
         return self._value
 
 
 def solve_contact(
     heights: ArrayLike,
-    pressure: float,
+    pressure: float | None = None,
     *,
-    length: float = 1.0,
+    separation: float | None = None,
+    force: float | None = None,
+    length: Length = 1.0,
     modulus: float = 1.0,
+    boundary: Boundary = "periodic",
     tolerance: float = 1e-6,
     precision: Precision = "mixed",
     threads: int | None = None,
     max_iterations: int = 3000,
     correction: Correction = "perimeter",
+    hardness: float | None = None,
+    screening: float = 0.0,
+    start: ArrayLike | None = None,
+    history: bool = False,
 ) -> ContactState:
     r"""Press a hard rough wall against a periodic elastic half-space.
 
@@ -123,13 +153,25 @@ def solve_contact(
     heights : array_like of float, shape (n, m) or (n,)
         Heights of the wall, upwards into contact, length. Their mean is subtracted.
         One-dimensional heights are a line contact on a half-plane.
-    pressure : float
-        Nominal pressure p > 0, in the unit of ``modulus``.
-    length : float
-        Side of the periodic cell along the first axis, in the unit of the heights;
-        pixels are square.
+    pressure : float, optional
+        Nominal pressure p > 0, in the unit of ``modulus``: the force over the area of the
+        heights. Exactly one of pressure, separation and force is given.
+    separation : float, optional
+        Mean gap ū > 0 instead, in the unit of the heights: the load that leaves it is found, by
+        Newton's method with K as the tangent. Without contact (ū of at least the height of the
+        highest point above the mean) the state has zero pressure. With ``boundary="free"``:
+        minus the approach, counted from the first contact; negative.
+    force : float, optional
+        F > 0, modulus · length²; of a line per length.
+    length : float or (float, float)
+        Sides (y, x) of the periodic cell along both axes, in the unit of the heights; or of
+        square points that along the first axis.
     modulus : float
         Contact modulus E* > 0.
+    boundary : {"periodic", "free"}
+        Whether the cell repeats, or the heights given are all there is, on a half-space
+        without end. The wall then ends where the heights do, and displacements count from
+        the undeformed surface far away. Not for lines: there they grow without bound.
     tolerance : float
         Largest relative complementarity Σ|p g|/(Σp h_rms) of a converged state;
         its penetration max(−g)/h_rms may be ten times as large.
@@ -143,6 +185,20 @@ def solve_contact(
     correction : {"perimeter", "none"}
         Correct the area for the points that a grid counts too many along those edges of the
         contact that the solution finds, or not. Lines are not corrected.
+    hardness : float, optional
+        Upper bound H ≥ p̄ on the pressure, in the unit of ``modulus``: elastic and perfectly
+        plastic (Almqvist et al., 2007). Where p = H the gap is zero or negative. ``energy``
+        is the elastic part, K is at points that go on to carry H. On the periodic half-space,
+        with square points.
+    screening : float
+        q_c ≥ 0, 1/length: the half-space with G(q) = 2/(E*√(q² + q_c²)), where waves longer
+        than 2π/q_c do not couple. G(0) stays 0, so that ū is the mean gap.
+    start : array_like of float, shape of the heights, optional
+        Contact pressures to start the iteration from, in the unit of ``modulus``; they are
+        multiplied to the load. Those of a similar state save iterations; the result is the same
+        within the tolerance. With ``separation`` their mean is the first load.
+    history : bool
+        Whether to keep what each iteration had reached, as ``state.history``.
 
     Raises
     ------
@@ -161,29 +217,71 @@ def solve_contact(
     'CONVERGED'
     >>> bool(abs(state.area_fraction_raw - 0.5) < 2e-3)
     True
+
+    A sphere on a half-space without end (Hertz, 1882): F = (4/3)E*√R δ^(3/2).
+
+    >>> x = np.linspace(-0.5, 0.5, 128)
+    >>> sphere = -(x[:, None]**2 + x**2) / (2 * 10.0)
+    >>> state = solve_contact(sphere, separation=-0.01, boundary="free")
+    >>> bool(abs(state.force / (4 / 3 * 10.0**0.5 * 0.01**1.5) - 1) < 2e-2)
+    True
     """
-    nominal = real_number(pressure, "pressure")
+    given = {"pressure": pressure, "separation": separation, "force": force}
+    named = [name for name, value in given.items() if value is not None]
+    if len(named) != 1:
+        raise SolverError(
+            "give exactly one of pressure, separation and force, got "
+            + (" and ".join(named) or "none of them")
+        )
     problem = Problem(
-        heights, length, modulus, tolerance, precision, threads, max_iterations, correction
+        *(heights, length, modulus, tolerance, precision, threads, max_iterations),
+        *(correction, hardness, screening, boundary),
     )
-    load = float(problem.loads([nominal])[0])
     solver = problem.solver
-    if load >= solver.full_load:
+    solver.history = [] if history else None
+    first = None if start is None else problem.start(start)
+    if separation is not None:
+        solution = _at_separation(problem, separation, first)
+        return ContactState(problem, solution, solution.load)
+    if pressure is None:
+        nominal = real_number(force, "force") / problem.area
+    else:
+        nominal = real_number(pressure, "pressure")
+    load = float(problem.loads([nominal])[0])
+    if solver.is_full(load):
         return ContactState(problem, None, load)
-    return ContactState(problem, solver.solve(load, solver.cold_start(load)), load)
+    points = solver.cold_start(load) if first is None else solver.start_from(first, load)
+    return ContactState(problem, solver.solve(load, points), load)
+
+
+def _at_separation(problem: Problem, separation: float, start: FloatArray | None) -> Solution:
+    """Return the state at a mean gap or, without a period, minus an approach."""
+    solver = problem.solver
+    if problem.free:
+        if start is not None:
+            raise SolverError("start needs a pressure or a force with boundary: free")
+        return solve_approach(solver, problem.approach_wanted(separation))
+    wanted = problem.gap_wanted(separation)
+    if wanted >= solver.depth:
+        return no_contact(solver, wanted)
+    return solve_at_separation(solver, wanted, start)
 
 
 def solve_curve(
     heights: ArrayLike,
-    pressures: ArrayLike,
+    pressures: ArrayLike | None = None,
     *,
-    length: float = 1.0,
+    forces: ArrayLike | None = None,
+    length: Length = 1.0,
     modulus: float = 1.0,
     tolerance: float = 1e-6,
     precision: Precision = "mixed",
     threads: int | None = None,
     max_iterations: int = 3000,
     correction: Correction = "perimeter",
+    hardness: float | None = None,
+    screening: float = 0.0,
+    boundary: Boundary = "periodic",
 ) -> CompleteCurve:
     """Solve states at many pressures on the same heights, each started from its neighbour.
 
@@ -194,17 +292,21 @@ def solve_curve(
     ----------
     heights : array_like of float, shape (n, m) or (n,)
         Length.
-    pressures : array_like of float, shape (k,)
+    pressures : array_like of float, shape (k,), optional
         Nominal pressures p > 0 in the unit of ``modulus``, in any order.
-    length, modulus, tolerance, precision, threads, max_iterations, correction
+    forces : array_like of float, shape (k,), optional
+        Instead of them: forces F > 0, modulus · length² (of a line per length).
+    length, modulus, tolerance, precision, threads, max_iterations, correction, \
+    hardness, screening, boundary
         As in :func:`solve_contact`.
 
     Returns
     -------
     Curve
-        In the order of ``pressures``; stiffness in modulus/length, energy U/A0 in
+        In the order of ``pressures``, which are the forces over the area of the heights;
+        stiffness in modulus/length, energy U/A0 in
         modulus · length. Diagnostics: complementarity, penetration, load_error,
-        iterations, transform_pairs.
+        iterations, transform_pairs; with a hardness plastic_depth.
 
     Raises
     ------
@@ -215,6 +317,7 @@ def solve_curve(
     states = solve_states(
         heights,
         pressures,
+        forces=forces,
         length=length,
         modulus=modulus,
         tolerance=tolerance,
@@ -222,6 +325,13 @@ def solve_curve(
         threads=threads,
         max_iterations=max_iterations,
         correction=correction,
+        hardness=hardness,
+        screening=screening,
+        boundary=boundary,
     )
     # The states come first: they check the arguments.
-    return CompleteCurve.from_states(list(states), np.array(pressures, dtype=np.float64))
+    solved = list(states)
+    wanted = np.array(forces if pressures is None else pressures, dtype=np.float64)
+    nominal = np.empty(wanted.size)
+    nominal[np.argsort(wanted, kind="stable")] = [state.pressure for state in solved]
+    return CompleteCurve.from_states(solved, nominal)

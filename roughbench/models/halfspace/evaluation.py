@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -33,11 +34,15 @@ class Evaluation:
     sum_p, sum_p_gap : float
         Σp and Σp|g|.
     lowest_gap : float
-        The most negative gap of all points.
+        The most negative gap of all points; of those below the hardness where there is one.
     make_working_set : callable
         Makes the next working set, of a precision and a load Σp: tiles with pressure or
         negative gap, p copied and r = gap. In float64, p and u are scaled to that load,
         which float32 holds to 1e-7 only: steps that had to mend it would not descend.
+    open_gap : float
+        Mean gap without the depths of plastic points; without a hardness the mean gap.
+    plastic_depth : float
+        Mean of −g over plastic points, per point of the grid.
     """
 
     alpha: float
@@ -47,6 +52,12 @@ class Evaluation:
     sum_p_gap: float
     lowest_gap: float
     make_working_set: Callable[[DTypeLike, float], WorkingSet]
+    open_gap: float = math.nan
+    plastic_depth: float = 0.0
+
+    def __post_init__(self) -> None:
+        if math.isnan(self.open_gap):
+            self.open_gap = self.separation
 
 
 class GapEvaluator:
@@ -65,6 +76,8 @@ class GapEvaluator:
         self.team = operator.team
         self.shape = operator.field.shape
         self.size = operator.field.size
+        # Without a period ū is minus the approach, counted from the first contact.
+        self.depth = heights.depth if operator.periodic else 0.0
         self._direct: DirectOperator | None = None
 
     def evaluate(self, points: WorkingSet) -> Evaluation:
@@ -122,6 +135,8 @@ class GapEvaluator:
     def direct_for(self, points: WorkingSet) -> DirectOperator | None:
         """Return the direct sum, where it is cheaper than transforms on this working set."""
         n_sources = points.n_contact
+        if not self.operator.periodic:
+            return None
         if n_sources >= DIRECT_SUM_MAX_FRACTION * self.size:
             self._direct = None  # its tables are not needed any more
             return None
@@ -132,8 +147,8 @@ class GapEvaluator:
     def _evaluate_by_transforms(self, points: WorkingSet) -> Evaluation:
         alpha, energy, sum_p = self.displace(points)
         marked, sum_p_gap, lowest_gap = self.mark(points, alpha)
-        separation = self.heights.depth - alpha
-        if separation < SMALL_GAP:
+        separation = self.depth - alpha
+        if separation < SMALL_GAP and self.operator.periodic:
             blocks, _ = self.team.split(points.rows)
             (total,) = self.team.sum(
                 gap.open_gap,
@@ -155,6 +170,7 @@ class GapEvaluator:
         looked at.
         """
         if points.n_contact >= DIRECT_SUM_MAX_FRACTION * self.size:
+            self._direct = None  # its tables are not needed any more
             return None
         loaded = points.in_contact()
         direct = self.direct_for(loaded)
@@ -204,5 +220,5 @@ class GapEvaluator:
             return np.minimum(g + more * u, NEVER_FREE).reshape(-1, size)
 
         energy = float((p * u).sum()) / (2 * self.size)
-        separation = self.heights.depth - alpha
+        separation = self.depth - alpha
         return Evaluation(alpha, separation, energy, sum_p, sum_p_gap, lowest_gap, make)

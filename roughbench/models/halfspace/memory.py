@@ -11,15 +11,24 @@ from roughbench import memory
 # tangent's x, the pressure that a new working set is filled from): not all at once.
 _MIXED = 8 + 9 * 4
 _DOUBLE = 9 * 8
+# On a free half-space the fields have rows of twice their length, and there is the transform
+# of G besides, both with a tenth more points, at most, than the grid.
+_FREE_MIXED = 24 * 1.1 + 12 * 1.1 + 8 * 4
+_FREE_DOUBLE = 24 * 1.1 + 8 * 8
+
+_BOUNDED = 6
+"""With a hardness: which points are free, and what is elastic among them."""
 
 
-def needed(n_points: int, *, double: bool) -> int:
+def needed(n_points: int, *, double: bool, free: bool = False, bounded: bool = False) -> int:
     """Bytes that the solver takes for a grid of ``n_points``, beyond the heights.
 
     An upper bound, reached near full contact; at low loads the vectors are short.
     Measured at A/A0 = 0.96 in mixed precision: 41 bytes a point, for the 44 counted.
     """
-    return n_points * (_DOUBLE if double else _MIXED)
+    if free:
+        return math.ceil(n_points * (_FREE_DOUBLE if double else _FREE_MIXED))
+    return n_points * ((_DOUBLE if double else _MIXED) + bounded * _BOUNDED)
 
 
 def check(
@@ -28,6 +37,8 @@ def check(
     double: bool,
     instead: str = "precision: mixed",
     converted: bool = False,
+    free: bool = False,
+    bounded: bool = False,
 ) -> None:
     """Refuse a grid that does not fit into memory.
 
@@ -40,6 +51,10 @@ def check(
         What makes it iterate in float32.
     converted : bool
         Whether the heights have to be copied into float64 as well.
+    free : bool
+        Whether the half-space is not periodic.
+    bounded : bool
+        Whether there is a hardness.
 
     Raises
     ------
@@ -48,7 +63,7 @@ def check(
     """
     n_points = math.prod(shape)
     copy = 8 if converted else 0
-    per_point = needed(1, double=double) + copy
+    per_point = needed(1, double=double, free=free, bounded=bounded) + copy
 
     def remedy(room: int) -> str:
         side = math.isqrt(room // per_point)
@@ -57,7 +72,8 @@ def check(
             if len(shape) == 2
             else f"{room // per_point} points would fit"
         )
-        lighter = n_points * (_MIXED + copy) <= room
+        light = needed(1, double=False, free=free, bounded=bounded)
+        lighter = n_points * (light + copy) <= room
         return fits + (f", and so may {instead}" if double and lighter else "")
 
     wanted = n_points * per_point

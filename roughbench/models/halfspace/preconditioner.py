@@ -29,8 +29,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
+from roughbench.models.halfspace.kernel import HALF_SPACE, Kernel
 from roughbench.models.halfspace.loops import TILE
-from roughbench.models.halfspace.operator import kernel_on
+from roughbench.models.halfspace.love import love_influence
 from roughbench.models.halfspace.working_set import WorkingSet, tile_grid, tile_height
 from roughbench.transform import RealTransform
 
@@ -60,6 +61,7 @@ class CoarseSolver:
         Grid.
     dtype : dtype
         float32 or float64.
+    kernel : Kernel
 
     Attributes
     ----------
@@ -67,27 +69,34 @@ class CoarseSolver:
         Free points of each tile; the right-hand side f.
     """
 
-    def __init__(self, shape: tuple[int, int], dtype: DTypeLike) -> None:
+    def __init__(
+        self, shape: tuple[int, int], dtype: DTypeLike, kernel: Kernel = HALF_SPACE
+    ) -> None:
         cells = tile_grid(shape)
         self.count, self.force = np.zeros(cells, dtype), np.zeros(cells, dtype)
-        self._transform = RealTransform(cells, dtype, threads=1)
+        self._cells = np.s_[: cells[0], : cells[1]]
+        # The cells of a free half-space are padded with zeros, as its points are.
+        period = (2 * cells[0], 2 * cells[1]) if kernel.free else cells
+        self._transform = RealTransform(period, dtype, threads=1)
         self._matrix: _CellMatrix | None = None
         self._matrix_max = math.isqrt(shape[0] * shape[1] // 16)
         self._iterations = COARSE_ITERATIONS_LINE if shape[0] == 1 else COARSE_ITERATIONS
-        self._tables((tile_height(shape), TILE), cells)
+        self._tables((tile_height(shape), TILE), cells, kernel)
 
-    def _tables(self, size: tuple[int, int], cells: tuple[int, int]) -> None:
+    def _tables(self, size: tuple[int, int], cells: tuple[int, int], kernel: Kernel) -> None:
         """Kernel between cells, and energy of n points in a cell beyond an even spread."""
         # Kernel on the lattice of cells: mean of G over two cells, as the sum over the
         # aliases of each wavevector.
-        self._kernel = averaged_kernel(cells, size)
+        average = free_averaged_kernel if kernel.free else averaged_kernel
+        self._kernel = average(cells, size, kernel)
+        cells = self._transform.shape
         n_cells = cells[0] * cells[1]
         half = 2.0 * np.ones_like(self._kernel)
         half[:, 0] = 1.0
         if cells[1] % 2 == 0:
             half[:, -1] = 1.0
         self._self_compliance = float((half * self._kernel).sum()) / n_cells
-        near = kernel_on(size)
+        near = kernel.near(size)
         points = size[0] * size[1]
         rows, columns = np.divmod(np.arange(points), size[1])
         pair = near[np.abs(rows[:, None] - rows), np.abs(columns[:, None] - columns)]
@@ -130,7 +139,7 @@ class CoarseSolver:
         diagonal = excess + uniform
         # Share of the even spread in the diagonal: how much of it is long-ranged.
         share = float(np.clip((uniform[occupied] / diagonal[occupied]).mean(), 0.2, 0.95))
-        n_cells = self.count.size
+        n_cells = self._transform.real.size
         relative = self._kernel * (n_cells / self._self_compliance)
         smoother = (1.0 / ((share * relative + (1.0 - share)) * n_cells)).astype(relative.dtype)
         scale = np.where(occupied, 1.0 / np.sqrt(diagonal), 0.0).astype(self.count.dtype)
@@ -192,11 +201,14 @@ class CoarseSolver:
 
     def _multiply(self, values: NDArray[Any], multiplier: NDArray[Any]) -> NDArray[Any]:
         """Multiply the transform of ``values``; the result is overwritten by the next call."""
-        np.copyto(self._transform.real, values)
+        real = self._transform.real
+        if real.shape != values.shape:
+            real[...] = 0
+        np.copyto(real[self._cells], values)
         self._transform.forward()
         self._transform.spectral *= multiplier
         self._transform.backward()
-        return self._transform.real
+        return real[self._cells]
 
 
 def _dot(a: NDArray[Any], b: NDArray[Any]) -> float:
@@ -204,7 +216,9 @@ def _dot(a: NDArray[Any], b: NDArray[Any]) -> float:
     return float(np.einsum("i,i->", a.ravel(), b.ravel()))
 
 
-def averaged_kernel(cells: tuple[int, int], size: tuple[int, int]) -> NDArray[np.float64]:
+def averaged_kernel(
+    cells: tuple[int, int], size: tuple[int, int], kernel: Kernel = HALF_SPACE
+) -> NDArray[np.float64]:
     """Half spectrum of G between cells of ``size`` points, with zero mean.
 
     In real space: the displacement averaged over one cell by a unit force spread evenly
@@ -225,9 +239,41 @@ def averaged_kernel(cells: tuple[int, int], size: tuple[int, int]) -> NDArray[np
     total = np.zeros((cells[0], cells[1] // 2 + 1))
     for i in range(size[0]):
         for j in range(size[1]):
-            q = np.hypot(qy[i][:, None], qx[j])
-            with np.errstate(divide="ignore"):
-                g = np.where(q == 0, 0.0, 2.0 / q)
-            total += g * by[i][:, None] * bx[j]
-    kernel: NDArray[np.float64] = total / (size[0] * size[1])
-    return kernel
+            q = kernel.wavenumber(qy[i][:, None], qx[j])
+            if i == j == 0:
+                q[0, 0] = math.inf
+            total += 2.0 / q * by[i][:, None] * bx[j]
+    average: NDArray[np.float64] = total / (size[0] * size[1])
+    return average
+
+
+def free_averaged_kernel(
+    cells: tuple[int, int], size: tuple[int, int], kernel: Kernel
+) -> NDArray[np.float64]:
+    """As :func:`averaged_kernel`, of a free half-space, for cells padded to twice as many.
+
+    Exact for cells that are at most two apart. Beyond, the displacement in the centre of a
+    cell stands for its mean: within 0.5 % on square points, 9 % on those of 1 × 10.
+    """
+    rows, columns = cells[0] + 1, cells[1] + 1
+    # In points of the size of a cell; a unit force on one of them is spread over its area.
+    aspect = kernel.aspect * size[1] / size[0]
+    average = love_influence((rows, columns), aspect) / size[1]
+    near = kernel.near((3 * size[0], 3 * size[1]))
+    for i in range(min(3, rows)):
+        for j in range(min(3, columns)):
+            average[i, j] = _pair_mean(near, (i * size[0], j * size[1]), size)
+    mirrored = [np.minimum(np.arange(2 * n), 2 * n - np.arange(2 * n)) for n in cells]
+    spectrum: NDArray[np.float64] = np.fft.rfft2(average[np.ix_(*mirrored)]).real
+    return np.maximum(spectrum, 0.0)
+
+
+def _pair_mean(
+    near: NDArray[np.float64], offset: tuple[int, int], size: tuple[int, int]
+) -> float:
+    """Mean of G between the points of two cells at an offset."""
+    # As many pairs of points as cells overlap have each difference.
+    weights = [1.0 - np.abs(np.arange(1 - n, n)) / n for n in size]
+    places = [np.abs(at + np.arange(1 - n, n)) for at, n in zip(offset, size, strict=True)]
+    total = weights[0] @ near[np.ix_(*places)] @ weights[1]
+    return float(total) / (size[0] * size[1])

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from roughbench.models.halfspace.certificate import PENETRATION_SLACK
 from roughbench.models.halfspace.direct import DirectOperator
-from roughbench.models.halfspace.loops import relaxation, vectors
 from roughbench.models.halfspace.working_set import WorkingSet
 from roughbench.models.halfspace.workspace import Workspace
 
@@ -33,6 +33,7 @@ def minimise(
     target: float,
     max_iterations: int,
     direct: DirectOperator | None = None,
+    record: Callable[[float], None] | None = None,
 ) -> tuple[int, bool]:
     r"""Lower ½⟨p·Gp⟩ − ⟨p·h⟩ over p ≥ 0, Σp = ``total``, on ``points``, in place.
 
@@ -67,6 +68,8 @@ def minimise(
     max_iterations : int
     direct : DirectOperator, optional
         Applies G, instead of transforms.
+    record : callable, optional
+        Called with the error of each iteration.
 
     Returns
     -------
@@ -76,10 +79,7 @@ def minimise(
     w = points
     space.open(w, direct)
     search = _StepSearch(space, total)
-    n_contact, sum_r = space.team.sum(
-        vectors.contact_sums, space.tile_blocks, w.tile_size, w.p, w.r
-    )
-    alpha = sum_r / n_contact
+    alpha = space.plane(*space.contact_sums())
     patience = PATIENCE_LINE if space.shape[0] == 1 else PATIENCE
     previous_power = 0.0
     length = 0.0
@@ -92,6 +92,8 @@ def minimise(
         complementarity = sum(part[0] for part in parts) / total
         penetration = -min(part[1] for part in parts)
         error = max(complementarity, penetration / PENETRATION_SLACK)
+        if record is not None:
+            record(error)
         reached = error <= target
         if error < 0.9 * best:
             best, since_best = error, 0
@@ -116,11 +118,7 @@ def minimise(
         previous_power = power
         iteration += 1
     # What is left of pressures on their way to zero must not count as contact.
-    space.team.run(
-        vectors.drop_residues,
-        space.tile_blocks,
-        *(w.tile_size, w.p, w.r, space.dtype.type(alpha), space.weights[0]),
-    )
+    space.drop_residues(alpha)
     space.close()
     return iteration, reached
 
@@ -140,25 +138,20 @@ class _StepSearch:
         this precision descends.
         """
         space = self._space
-        number, team, w = space.dtype.type, space.team, space.points
         tau = self._tau
         for attempt in range(8):
             if attempt == 1:  # without conjugacy
                 n_free, sum_z, *_ = space.precondition(alpha)
                 beta, shift = 0.0, sum_z / n_free
             elif attempt > 1:  # along the residual itself, ever shorter
-                n_free, sum_z = team.sum(
-                    vectors.use_residual,
-                    space.tile_blocks,
-                    *(w.tile_size, space.vectors, number(1), number(alpha)),
-                )
+                n_free, sum_z = space.use_residual(alpha)
                 shift = sum_z / n_free
                 tau *= 0.25
             trial = space.update_direction(alpha, beta, shift, tau)
             for _ in range(8):
                 if not 0.0 < trial < math.inf:
                     return None
-                slope, clipped = self._try(alpha, tau, self._total / trial)
+                slope, clipped = space.trial_step(alpha, tau, trial, self._total)
                 if not slope < 0.0:
                     break
                 curvature, n_contact, sum_r, sum_y = space.image_of_step()
@@ -169,27 +162,8 @@ class _StepSearch:
                     self._tau = min(max(tau * min(exact, 3.0), 1e-6), 1e6)
                     length = exact
                     if exact > 1.0:
-                        reach = team.run(
-                            vectors.largest_step, space.tile_blocks, w.tile_size, w.p, w.s
-                        )
-                        length = min(exact, LONGEST_STEP, *reach)
-                    return length, (sum_r + length * sum_y) / n_contact
+                        length = min(exact, LONGEST_STEP, space.largest_step())
+                    return length, space.plane(n_contact, sum_r, length, sum_y)
                 tau *= exact
-                loads = team.run(
-                    vectors.trial_load, space.tile_blocks, w.tile_size, w.p, w.d, number(tau)
-                )
-                trial = sum(loads)
+                trial = space.trial_load(tau)
         return None
-
-    def _try(self, alpha: float, tau: float, scale: float) -> tuple[float, float]:
-        """Set s, and the field to it where G takes transforms; Σsρ and the points lost."""
-        space = self._space
-        number = space.dtype.type
-        slope, clipped = space.team.sum(
-            relaxation.trial_step,
-            space.blocks,
-            *(space.tiling, space.vectors, space.coarse.count),
-            *(space.operator.field, space.direct is None),
-            *(number(alpha), number(tau), number(scale)),
-        )
-        return slope, clipped

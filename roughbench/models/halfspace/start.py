@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from roughbench.models.halfspace.evaluation import GapEvaluator
-from roughbench.models.halfspace.loops import gap
+from roughbench.models.halfspace.loops import TILE, gap
+from roughbench.models.halfspace.plastic import fit_load
 from roughbench.models.halfspace.surface import ScaledHeights
-from roughbench.models.halfspace.working_set import WorkingSet, tile_grid
+from roughbench.models.halfspace.working_set import WorkingSet, tile_grid, tile_height
 
 PREDICTION_REACH = 4.0
 """Largest step of the load, as a factor, over which the tangent predicts a start. Beyond
@@ -44,24 +45,50 @@ def cold_start(
     return points
 
 
+def from_field(pressure: NDArray[np.float64], dtype: DTypeLike) -> WorkingSet:
+    """Return the positive pressures of a dense field, shape (n, m), as a working set."""
+    shape = pressure.shape[0], pressure.shape[1]
+    rows, columns = tile_grid(shape)
+    height = tile_height(shape)
+    padded = np.zeros((rows * height, columns * TILE), dtype)
+    padded[: shape[0], : shape[1]] = pressure
+    tiles = padded.reshape(rows, height, columns, TILE).swapaxes(1, 2)
+    marked: NDArray[np.bool_] = np.any(tiles > 0, axis=(2, 3))
+    points = WorkingSet.on(shape, marked.astype(np.uint8), dtype)
+    points.p[:] = tiles[marked].ravel()
+    points.keep_pressure()
+    return points
+
+
 def predict(
-    solved: float, points: WorkingSet, rate: NDArray[np.floating], load: float, size: int
+    solved: float,
+    points: WorkingSet,
+    rate: NDArray[np.floating],
+    load: float,
+    size: int,
+    hardness: float | None = None,
 ) -> WorkingSet | None:
     """Pressure at another load than ``solved``: p + Δp̄ ∂p/∂p̄ where that is positive.
 
-    None where the other load is too far away for this to be a good start.
+    None where the other load is too far away for this to be a good start, or more than these
+    points can carry.
     """
     if load > PREDICTION_REACH * solved:
         return None
     rate *= rate.dtype.type(load - solved)
     points.p += rate
     np.maximum(points.p, 0, out=points.p)
-    scale_to(points, load * size)
+    scale_to(points, load * size, hardness)
+    if hardness is not None and points.p.sum(dtype=np.float64) < (1 - 1e-4) * load * size:
+        return None
     return points
 
 
-def scale_to(points: WorkingSet, total: float) -> None:
-    """Multiply the pressures so that Σp is ``total``."""
+def scale_to(points: WorkingSet, total: float, hardness: float | None = None) -> None:
+    """Multiply the pressures, none beyond the hardness, so that Σp is ``total``."""
+    if hardness is not None:
+        fit_load(points.p, hardness, total)
+        return
     points.p *= points.p.dtype.type(total / points.p.sum(dtype=np.float64))
 
 

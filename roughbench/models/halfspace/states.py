@@ -10,32 +10,38 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from roughbench.errors import SolverError
+from roughbench.inputs import float_array
 from roughbench.models.base import Fields, State, Status
-from roughbench.models.halfspace.options import Correction, Precision
-from roughbench.models.halfspace.problem import Problem
+from roughbench.models.halfspace.options import Boundary, Correction, Precision
+from roughbench.models.halfspace.problem import Length, Problem
 from roughbench.models.halfspace.solver import Solution
 from roughbench.models.halfspace.working_set import WorkingSet
 
 
 def solve_states(
     heights: ArrayLike,
-    pressures: ArrayLike,
+    pressures: ArrayLike | None = None,
     *,
-    length: float = 1.0,
+    forces: ArrayLike | None = None,
+    length: Length = 1.0,
     modulus: float = 1.0,
     tolerance: float = 1e-6,
     precision: Precision = "mixed",
     threads: int | None = None,
     max_iterations: int = 3000,
     correction: Correction = "perimeter",
+    hardness: float | None = None,
+    screening: float = 0.0,
+    boundary: Boundary = "periodic",
     finished: Mapping[str, NDArray[Any]] | None = None,
 ) -> Iterator[State]:
     """Yield the states of :func:`solve_curve` one by one, in the order of rising pressure.
 
     Parameters
     ----------
-    heights, pressures, length, modulus, tolerance, precision, threads, max_iterations, \
-    correction
+    heights, pressures, forces, length, modulus, tolerance, precision, threads, \
+    max_iterations, correction, hardness, screening, boundary
         As in :func:`solve_curve`.
     finished : mapping of str to ndarray, optional
         Snapshot of a state of the same curve to go on from, to the bits it would have had.
@@ -46,8 +52,13 @@ def solve_states(
         With fields and snapshots.
     """
     problem = Problem(
-        heights, length, modulus, tolerance, precision, threads, max_iterations, correction
+        *(heights, length, modulus, tolerance, precision, threads, max_iterations),
+        *(correction, hardness, screening, boundary),
     )
+    if (pressures is None) == (forces is None):
+        raise SolverError("give exactly one of pressures and forces")
+    if pressures is None:
+        pressures = float_array(forces, "forces") / problem.area  # type: ignore[arg-type]
     loads, solver = problem.loads(pressures), problem.solver
     nominal = np.array(pressures, dtype=np.float64)
     latest = _Latest(problem) if finished is None else _Latest.since(problem, finished)
@@ -60,11 +71,11 @@ def solve_states(
     for i in np.argsort(nominal, kind="stable")[latest.done :]:
         load, pairs = float(loads[i]), solver.pairs
         latest.begin(load)
-        if load >= solver.full_load:
+        if solver.is_full(load):
             before.clear()
             area = raw = 1.0
             separation, stiffness = 0.0, math.inf
-            energy, certificate = solver.full_energy, solver.full_contact(load)
+            energy, certificate, depth = solver.full_energy, solver.full_contact(load), 0.0
             status, iterations = Status.CONVERGED, 0
         else:
             start = solver.predict(*before.pop(), load) if before else None
@@ -77,9 +88,19 @@ def solve_states(
             separation = solution.separation * solver.rms
             stiffness = tangent * problem.pressure_unit / solver.rms
             energy, certificate = solution.energy, solution.certificate
+            depth = solution.plastic_depth
             status, iterations = solution.status, solution.iterations
             latest.solution = solution
             del solution
+        diagnostics: dict[str, float | np.number[Any]] = {
+            "complementarity": certificate.complementarity,
+            "penetration": certificate.penetration,
+            "load_error": certificate.load_error,
+            "iterations": np.int32(iterations),
+            "transform_pairs": np.int32(solver.pairs - pairs),
+        }
+        if hardness is not None:
+            diagnostics["plastic_depth"] = float(depth * solver.rms)
         yield State(
             pressure=float(nominal[i]),
             area=float(area),
@@ -88,13 +109,7 @@ def solve_states(
             energy=float(energy * problem.energy_unit),
             status=status,
             area_raw=float(raw),
-            diagnostics={
-                "complementarity": certificate.complementarity,
-                "penetration": certificate.penetration,
-                "load_error": certificate.load_error,
-                "iterations": np.int32(iterations),
-                "transform_pairs": np.int32(solver.pairs - pairs),
-            },
+            diagnostics=diagnostics,
             fields=partial(latest.fields, latest.done),
             snapshot=partial(latest.snapshot, latest.done),
         )

@@ -16,6 +16,13 @@ from roughbench.models.halfspace.working_set import WorkingSet, tile_grid, tile_
 class ScaledHeights:
     """Heights in their rms value, from the highest point downwards; none is copied.
 
+    Parameters
+    ----------
+    heights : ndarray, shape (n, m)
+    team : ThreadTeam
+    flat : float
+        What flat heights have instead of an rms value.
+
     Counted from there, h, α and u are all as small as the displacements are where little
     touches, and their difference keeps its digits.
 
@@ -29,14 +36,30 @@ class ScaledHeights:
         Heights, scale and datum for the loops: h = scale·(heights − datum).
     """
 
-    def __init__(self, heights: NDArray[np.floating], team: ThreadTeam) -> None:
+    def __init__(
+        self, heights: NDArray[np.floating], team: ThreadTeam, flat: float = 0.0
+    ) -> None:
         self.mean = float(heights.mean(dtype=np.float64))
-        self.rms = _rms(heights, self.mean)
+        self.rms = _rms(heights, self.mean) or flat
         self.scale = 1.0 / self.rms if self.rms > 0 else 0.0
         self._top = float(heights.max())
         self.surface = heights, self.scale, self._top
         self.depth = (self._top - self.mean) * self.scale
         self._team = team
+
+    @cached_property
+    def spring_modulus(self) -> float:
+        """Modulus of springs to start from: ½E*q with a mean wavevector q, in E*/Δ.
+
+        The geometric mean of the rms slope over the rms height and of the longest wave.
+        Only a start; between neighbouring rows no slope is taken.
+        """
+        longest = 2.0 * math.pi / max(self.surface[0].shape)
+        total = 0.0
+        for row in self.surface[0]:
+            total += float((np.diff(row.astype(np.float64)) ** 2).sum())
+        slope = math.sqrt(2.0 * total / self.surface[0].size) * self.scale
+        return 0.5 * math.sqrt(max(slope, longest) * longest)
 
     def on(self, points: WorkingSet) -> NDArray[np.float64]:
         """h on a working set; −inf beyond the grid."""

@@ -40,20 +40,36 @@ class Reference:
     Parameters
     ----------
     heights : array_like, shape (n,) or (n, m)
-    length : float
-        Along the first axis; pixels are square.
+    length : float or (float, float)
+        Along the first axis, of square points; or along both.
     modulus : float
+    screening : float
+        q_c, 1/length.
     """
 
-    def __init__(self, heights: ArrayLike, length: float = 1.0, modulus: float = 1.0) -> None:
+    def __init__(
+        self,
+        heights: ArrayLike,
+        length: float | tuple[float, float] = 1.0,
+        modulus: float = 1.0,
+        screening: float = 0.0,
+    ) -> None:
         h = np.asarray(heights, np.float64)
         self.heights = h - h.mean()
         self.rms = float(self.heights.std())
         self.modulus = modulus
-        self.spacing = length / h.shape[0]
-        waves = [2 * math.pi * np.fft.fftfreq(n, self.spacing) for n in h.shape]
+        self.screening = screening
+        if isinstance(length, tuple):
+            self.spacing = np.array(length) / h.shape
+        else:
+            self.spacing = np.full(h.ndim, length / h.shape[0])
+        waves = [
+            2 * math.pi * np.fft.fftfreq(n, spacing)
+            for n, spacing in zip(h.shape, self.spacing, strict=True)
+        ]
         self.wavevectors = np.stack(np.meshgrid(*waves, indexing="ij"), axis=-1)
-        self.q = np.sqrt((self.wavevectors**2).sum(axis=-1))
+        self.q = np.sqrt((self.wavevectors**2).sum(axis=-1) + screening**2)
+        self.q.flat[0] = 0.0  # a uniform displacement costs nothing
 
     def matrix(self, power: float = -1.0) -> FloatArray:
         """Dense G (power −1) or S (power 1), from Σ_q cos q·(x_i − x_j), unit by unit."""
@@ -122,9 +138,10 @@ class Reference:
 
     def edges(self, pressure: FloatArray) -> tuple[int, int]:
         """Grid edges of a contact on a surface, and the free ones, by the rule as written."""
-        heights, p = self.heights, pressure * self.spacing / self.modulus  # a length
+        heights = self.heights
         total = free = 0
         for axis, step in itertools.product((0, 1), (1, -1)):
+            p = pressure * self.spacing[axis] / self.modulus  # a length
 
             def at(
                 field: FloatArray, offset: int, axis: int = axis, step: int = step
@@ -146,7 +163,13 @@ class Reference:
         """A/A0 from contact points and, on a surface, the free edges around them."""
         contact = int((pressure > 0).sum())
         free = self.edges(pressure)[1] if pressure.ndim == 2 else 0
-        return (contact - (math.pi - 1 + math.log(2)) / 24 * free) / pressure.size
+        factor = (math.pi - 1 + math.log(2)) / 24
+        if pressure.ndim == 2:
+            factor /= math.sqrt(1 + 0.15 * math.log(self.spacing[1] / self.spacing[0]) ** 2)
+            mean = math.sqrt(self.spacing[0] * self.spacing[1])
+            x = self.screening * mean
+            factor /= math.sqrt(1 + (x / 3.5) ** 2 + (x / 15) ** 4)
+        return (contact - factor * free) / pressure.size
 
     def verify(
         self,

@@ -8,8 +8,12 @@ from roughbench.models.halfspace.loops import NEVER_FREE, TILE, loop
 
 
 @loop
-def multiply_by_kernel(a, b, spectral, qy_squared, qx_squared, factor, exponent):
-    """Multiply rows of a half spectrum by ``factor·|q|**exponent`` (±1), zero at q = 0."""
+def multiply_by_kernel(a, b, spectral, qy_squared, qx_squared, factor, exponent, m):
+    """Multiply rows of a half spectrum by ``factor·|q|**exponent`` (±1), zero at q = 0.
+
+    The field has ``m`` columns. Returns its product sum with what it becomes, if +1.
+    """
+    work = 0.0
     for i in range(a, b):
         row = spectral[i]
         y = qy_squared[i]
@@ -17,25 +21,51 @@ def multiply_by_kernel(a, b, spectral, qy_squared, qx_squared, factor, exponent)
             for j in range(row.shape[0]):
                 row[j] *= factor / np.sqrt(y + qx_squared[j])
         else:
-            for j in range(row.shape[0]):
-                row[j] *= factor * np.sqrt(y + qx_squared[j])
+            # Each column but the first, and the last of an even number, stands for two.
+            here = factor - factor
+            for j in range(np.uint64(row.shape[0])):
+                value = row[j]
+                multiplier = factor * np.sqrt(y + qx_squared[j])
+                here += multiplier * (value.real * value.real + value.imag * value.imag)
+                row[j] = multiplier * value
+            work += 2.0 * here
+            for j in (0, row.shape[0] - 1):
+                if j == 0 or m % 2 == 0:
+                    multiplier = factor * np.sqrt(y + qx_squared[j])
+                    if multiplier > 0:
+                        value = row[j]
+                        work -= (value.real * value.real + value.imag * value.imag) / multiplier
     if a == 0:
         spectral[0, 0] = 0.0
+    return work
+
+
+@loop
+def multiply_by_even_table(spectral, table, first):
+    """Multiply columns of a spectrum by ``table``, rows past its end by its mirror image."""
+    n = spectral.shape[0]
+    for i in range(n):
+        row = spectral[i]
+        factors = table[i if i < table.shape[0] else n - i]
+        for j in range(row.shape[0]):
+            row[j] *= factors[first + j]
 
 
 @loop
 def traction_at_full_contact(a, b, field, surface):
-    """Lowest value of the traction in ``field``, and its product sum with the heights."""
+    """Lowest value of the traction in ``field``, its product sum with the heights, and Σσ²."""
     heights, scale, datum = surface
     lowest = np.inf
     product = 0.0
+    squares = 0.0
     for i in range(a, b):
         row = field[i]
         h_row = heights[i]
         for j in range(row.shape[0]):
             lowest = min(lowest, row[j])
             product += row[j] * scale * (h_row[j] - datum)
-    return lowest, product
+            squares += row[j] * row[j]
+    return lowest, product, squares
 
 
 @loop

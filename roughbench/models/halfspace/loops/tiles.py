@@ -1,4 +1,4 @@
-"""Loops between working sets and dense fields, and sums around single points."""
+"""Loops between working sets and dense fields, and counts around single points."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.models.halfspace.loops import TILE, UNSIGNED_TILE, copy_row, loop
+from roughbench.models.halfspace.loops import TILE, copy_row, loop
 
 PRESCRIBED_RATIO = 0.75
 """Of two points in a row at a free edge, where p = A√s, the outer one carries at most 1/√2 of
@@ -78,28 +78,34 @@ def spread_pressure(a, b, tiling, p, scratch):
 
 
 @loop
-def _is_free(i, j, di, dj, scratch, heights, scale):
+def _is_free(i, j, di, dj, scratch, heights, scale, spacing, ends):
     """Whether the edge between point (i, j) and (i + di, j + dj), outside, is free."""
     n, m = heights.shape
+    if ends and not (0 <= i + di < n and 0 <= j + dj < m):
+        return False
     p = scratch[i + 1, j + 1]
     behind = scratch[i + 1 - di, j + 1 - dj]
     if not (behind > 0 and p > PRESCRIBED_RATIO * behind):
         return True
     beyond = scratch[(i - 2 * di) % n + 1, (j - 2 * dj) % m + 1]
+    if ends and not (0 <= i - 2 * di < n and 0 <= j - 2 * dj < m):
+        beyond = scratch[0, 0]  # nothing
     sides = max(scratch[i + 1 - dj, j + 1 - di], scratch[i + 1 + dj, j + 1 + di])
     h = np.float64(heights[i, j])
     inner = heights[(i - di) % n, (j - dj) % m]
     outer = heights[(i + di) % n, (j + dj) % m]
     bend = scale * ((h - inner) + (h - outer))
-    least = EDGE_BEND if beyond > 0 else NARROW_EDGE_BEND
+    least = spacing * (EDGE_BEND if beyond > 0 else NARROW_EDGE_BEND)
     return bend <= least * max(max(p, behind), max(sides, beyond))
 
 
 @loop
-def count_edges(a, b, tiling, scratch, surface):
+def count_edges(a, b, tiling, scratch, surface, aspect, ends, plastic):
     """Points with p > 0, and free grid edges between these and others.
 
-    ``scratch`` holds p, with its halo. For what is free see
+    ``scratch`` holds p, with its halo; ``aspect`` is the spacing of columns over that of
+    rows, and ``ends`` whether nothing lies beyond the grid. From ``plastic`` on a point has no
+    free edges. For what is free see
     :func:`roughbench.models.halfspace.perimeter.count_edges`.
     """
     height, rows, tiles = tiling
@@ -118,46 +124,22 @@ def count_edges(a, b, tiling, scratch, surface):
                     if not here[c] > 0:
                         continue
                     contact += 1.0
-                    if north[c] == 0 and _is_free(i, j, -1, 0, scratch, heights, scale):
+                    if here[c] >= plastic:
+                        continue
+                    if north[c] == 0 and _is_free(
+                        i, j, -1, 0, scratch, heights, scale, 1.0, ends
+                    ):
                         free += 1.0
-                    if south[c] == 0 and _is_free(i, j, 1, 0, scratch, heights, scale):
+                    if south[c] == 0 and _is_free(
+                        i, j, 1, 0, scratch, heights, scale, 1.0, ends
+                    ):
                         free += 1.0
-                    if here[c - 1] == 0 and _is_free(i, j, 0, -1, scratch, heights, scale):
+                    if here[c - 1] == 0 and _is_free(
+                        i, j, 0, -1, scratch, heights, scale, aspect, ends
+                    ):
                         free += 1.0
-                    if here[c + 1] == 0 and _is_free(i, j, 0, 1, scratch, heights, scale):
+                    if here[c + 1] == 0 and _is_free(
+                        i, j, 0, 1, scratch, heights, scale, aspect, ends
+                    ):
                         free += 1.0
     return contact, free
-
-
-@loop
-def direct_sum(a, b, height, corners, sources, grid, table, image):
-    """``image`` on tiles a … b = Σ values G over the source points.
-
-    ``corners`` are the first grid rows and columns of the tiles, ``sources`` grid rows, grid
-    columns and values, ``grid`` its shape and the shift of the table: entry (k, i, j) of
-    ``table`` is G at i rows and 8k + j − shift columns from its source.
-    """
-    tops, lefts = corners
-    source_rows, source_columns, values = sources
-    n, m, shift = grid
-    size = height * TILE
-    for tile in range(a, b):
-        total = image[tile * size : (tile + 1) * size]
-        total[:] = 0
-        for source in range(values.size):
-            value = values[source]
-            column = lefts[tile] - source_columns[source] + shift
-            if column < 0:
-                column += m
-            elif column >= m:
-                column -= m
-            strip = table[column // TILE]
-            c = np.uint64(column % TILE)
-            for i in range(height):
-                offset = abs(tops[tile] + i - source_rows[source])
-                if offset >= n:
-                    offset -= n
-                row = strip[min(offset, n - offset)]
-                k = np.uint64(i * TILE)
-                for e in range(UNSIGNED_TILE):
-                    total[k + e] += value * row[c + e]

@@ -39,7 +39,7 @@ def cache_folder() -> Path:
 
 
 _log = logging.getLogger("roughbench.run.plans")
-_planned: set[tuple[tuple[int, int], str, int, Path]] = set()
+_planned: set[tuple[tuple[int, ...], str, int, Path]] = set()
 _said: set[str] = set()
 """What this process has said already, or given up: once is enough."""
 

@@ -1,0 +1,112 @@
+"""What a run leaves: the curves of every model, by experiment and label."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+
+from roughbench.results import display
+from roughbench.results.model_result import ModelResult
+from roughbench.surface_record import SurfaceRecord
+
+
+class Models(dict[str, ModelResult]):
+    """The models of one experiment, by label."""
+
+    def __missing__(self, label: str) -> ModelResult:
+        raise display.unknown_name("model", label, list(self))
+
+
+class MadeWhenAsked(Mapping[str, ModelResult]):
+    """Results of models that are made whenever one is asked for, and not kept.
+
+    Parameters
+    ----------
+    make : mapping of str to callable
+        By label.
+    """
+
+    def __init__(self, make: Mapping[str, Callable[[], ModelResult]]) -> None:
+        self._make = make
+
+    def __getitem__(self, label: str) -> ModelResult:
+        return self._make[label]()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._make)
+
+    def __len__(self) -> int:
+        return len(self._make)
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Results(Mapping[str, Mapping[str, ModelResult]]):
+    """The results of a run: ``results["main"]["bem"]["area_mean"]``.
+
+    Attributes
+    ----------
+    experiments : mapping of str to mapping of str to ModelResult
+        By experiment (``main`` without a sweep) and label, in the order of the spec.
+    spec_text : str
+        The spec as YAML.
+    spec_sha256 : str
+        Hash of the resolved spec.
+    name : str
+        Name of the run.
+    surfaces : mapping of str to SurfaceRecord
+        By experiment: the measured surface that it pressed, of those that pressed one.
+    """
+
+    experiments: Mapping[str, Mapping[str, ModelResult]]
+    spec_text: str
+    spec_sha256: str
+    name: str = ""
+    surfaces: Mapping[str, SurfaceRecord] = field(default_factory=dict)
+
+    def __getitem__(self, experiment: str) -> Mapping[str, ModelResult]:
+        if experiment not in self.experiments:
+            raise display.unknown_name("experiment", experiment, list(self.experiments))
+        return Models(self.experiments[experiment])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.experiments)
+
+    def __len__(self) -> int:
+        return len(self.experiments)
+
+    @property
+    def has_units(self) -> bool:
+        """Whether variables are in SI; a file has units everywhere or nowhere."""
+        return next((result.has_units for _, result in self.models()), False)
+
+    def reduced(self) -> Results:
+        """Return these results without units, see :meth:`ModelResult.reduced`."""
+        if not self.has_units:
+            return self
+        experiments = {
+            experiment: {label: result.reduced() for label, result in models.items()}
+            for experiment, models in self.experiments.items()
+        }
+        return replace(self, experiments=experiments)
+
+    def models(self) -> Iterator[tuple[str, ModelResult]]:
+        """Every (experiment, result), in the order of the spec."""
+        for experiment, models in self.experiments.items():
+            for result in models.values():
+                yield experiment, result
+
+    @property
+    def outside_kinds(self) -> dict[str, str]:
+        """Kind of each model from outside, by what the spec may call it."""
+        models = [result for _, result in self.models()]
+        return {
+            str(result.attributes["source"]): result.kind
+            for result in models
+            if "source" in result.attributes
+        }
+
+    def __repr__(self) -> str:
+        return display.results_text(self)
+
+    def _repr_html_(self) -> str:
+        return display.results_table(self)
