@@ -33,7 +33,7 @@ DASHES = (0, (4, 2))
 
 
 @dataclass(frozen=True, slots=True)
-class Case:
+class RollOffCase:
     """The surfaces of one roll-off, and who was computed for them.
 
     Attributes
@@ -58,7 +58,7 @@ class Case:
         return rf"$q_\mathrm{{r}}/q_0 = {self.ratio:.6g}$"
 
 
-def cases_of(results: Results) -> list[Case]:
+def cases_of(results: Results) -> list[RollOffCase]:
     """Return the cases of results, those of the lowest roll-off first."""
     found = []
     for experiment, models in results.experiments.items():
@@ -70,7 +70,7 @@ def cases_of(results: Results) -> list[Case]:
             found.append((ratio, experiment, foundation, theory, exact))
     found.sort(key=lambda one: one[0])
     return [
-        Case(experiment, ratio, colour, foundation, theory, exact)
+        RollOffCase(experiment, ratio, colour, foundation, theory, exact)
         for colour, (ratio, experiment, foundation, theory, exact) in zip(
             _COLOURS, found, strict=False
         )
@@ -111,14 +111,14 @@ def mean_of(result: ModelResult, name: str, shown: Shown) -> tuple[FloatArray, .
 
 
 def draw_case(
-    axes: Axes, case: Case, name: str, shown: Shown, models: tuple[str, ...], turn: float
+    axes: Axes, case: RollOffCase, name: str, shown: Shown, models: tuple[str, ...], turn: float
 ) -> None:
     """Draw a quantity of some of the models of a case.
 
     Parameters
     ----------
     axes : Axes
-    case : Case
+    case : RollOffCase
     name : str
         Of the quantity.
     shown : roughbench.figures.axes.Axes
@@ -183,7 +183,7 @@ def counts_remark(results: Results) -> str:
     )
 
 
-def _counts(cases: list[Case]) -> Iterator[tuple[str, list[int]]]:
+def _counts(cases: list[RollOffCase]) -> Iterator[tuple[str, list[int]]]:
     for words, name in (("surfaces", "exact"), ("lines", "springs")):
         models = (getattr(case, name) for case in cases)
         yield words, [one.n_realizations for one in models if one]

@@ -13,7 +13,7 @@ import numpy as np
 
 from roughbench.figures.labels import height_remark, unconverged_remarks
 from roughbench.figures.printed import (
-    Case,
+    RollOffCase,
     cases_of,
     counts_remark,
     draw_case,
@@ -70,7 +70,7 @@ def draw(results: Results) -> Figure:
     return figure
 
 
-def _limit(cases: list[Case], results: Results) -> float:
+def _limit(cases: list[RollOffCase], results: Results) -> float:
     """Return the highest pressure of the axes, p/E*."""
     shown, ends = scaled_axes(results), []
     highest = 0.0

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from roughbench.figures.axes import Axes as Shown
 from roughbench.figures.labels import height_remark, number_text, unconverged_remarks
 from roughbench.figures.printed import (
-    Case,
+    RollOffCase,
     cases_of,
     counts_remark,
     draw_case,
@@ -85,7 +85,7 @@ def draw(results: Results) -> Figure:
     return figure
 
 
-def _onset(case: Case) -> tuple[Theory, float, tuple[float, float, float]] | None:
+def _onset(case: RollOffCase) -> tuple[Theory, float, tuple[float, float, float]] | None:
     """Return theory, how its laws are joined, and θ, first deviation and linear region."""
     if case.springs is None or "stiffness_mean" not in case.springs:
         return None
@@ -100,7 +100,7 @@ def _onset(case: Case) -> tuple[Theory, float, tuple[float, float, float]] | Non
     return None if math.isnan(found[0]) else (theory, m, found)
 
 
-def _mark(both: list[Axes], case: Case, deviates: float, linear: float) -> None:
+def _mark(both: list[Axes], case: RollOffCase, deviates: float, linear: float) -> None:
     for axes in both:
         if math.isfinite(deviates):
             axes.axvline(
@@ -121,7 +121,7 @@ def _mark(both: list[Axes], case: Case, deviates: float, linear: float) -> None:
 
 
 def _draw_counted_from(
-    axes: Axes, case: Case, theory: Theory, stiffness: FloatArray, shown: Shown
+    axes: Axes, case: RollOffCase, theory: Theory, stiffness: FloatArray, shown: Shown
 ) -> None:
     if case.springs is not None:
         value = stiffness / shown["stiffness"].divisor(case.springs)
@@ -129,7 +129,7 @@ def _draw_counted_from(
         axes.plot(theory.pressure, value, zorder=2, gid="counted from", **look)
 
 
-def _limits(cases: list[Case], shown: Shown) -> tuple[float, float]:
+def _limits(cases: list[RollOffCase], shown: Shown) -> tuple[float, float]:
     """Return the limits of both panels: all that is drawn, up to nearly full contact."""
     values = []
     for case in cases:

@@ -49,7 +49,7 @@ class ContactState:
         certificate, and at plastic points negative: so far the material has given way.
     iterations, transform_pairs : int
         Work that the state took.
-    history : list of Progress, or None
+    history : list of IterationError, or None
         Where it was asked for: ``transform_pairs``, ``error`` and ``is_certified`` of each
         iteration and evaluation. With a prescribed separation those of all loads tried, each
         counted from zero.

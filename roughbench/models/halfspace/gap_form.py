@@ -100,7 +100,8 @@ class GapSpace:
         factor : float
             For p and u, to reach the load.
         unit : float
-            Σp/D, where D is the displacement of the certificate.
+            Σp/D, where D is that of full contact, which is a bound on the displacement of the
+            certificate.
         target : float
             Largest complementarity, as estimated by ``COMPLEMENTARITY`` √(Σwz / ``unit``);
             max \|z\| may be ``PENETRATION_SLACK`` times more. Where the error is near it from

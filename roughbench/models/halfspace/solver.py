@@ -66,8 +66,8 @@ GAP_TANGENT_CONTACT = 0.6
 """Part of the points in contact from which on it is in the tangent problem."""
 
 
-class Progress(NamedTuple):
-    """How far an iteration had come.
+class IterationError(NamedTuple):
+    """What an iteration still had wrong.
 
     Attributes
     ----------
@@ -166,7 +166,7 @@ class Solver:
             else BoundedEvaluator(self._heights, self.exact, self.hardness)
         )
         self._gap_spaces: dict[np.dtype[Any], GapSpace] = {}
-        self.history: list[Progress] | None = None
+        self.history: list[IterationError] | None = None
         """Where each iteration is noted, if it is a list."""
         self._full_gap: tuple[float, ...] | None = None
         # Contact is exactly full from p̄ = −min σ_fc on. On a free half-space it is full
@@ -343,7 +343,7 @@ class Solver:
 
         def note(error: float, *, is_certified: bool = False) -> None:
             if self.history is not None:
-                self.history.append(Progress(self.pairs - before, error, is_certified))
+                self.history.append(IterationError(self.pairs - before, error, is_certified))
 
         total = load * self.size
         iterations = 0
@@ -394,7 +394,7 @@ class Solver:
                     points,
                     (self.exact.field, self._heights.surface, state.alpha),
                     total / state.sum_p,
-                    total / certificate.displacement,
+                    total * load / (2.0 * self.full_energy),
                     0.5 * aim,
                     left,
                     note,
