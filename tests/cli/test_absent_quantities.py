@@ -95,7 +95,7 @@ def test_fits_are_not_given(file: Path) -> None:
     assert all(fitted[name] == NOT_GIVEN for name in lacking)
     table = run("fit", file, "--resamples", 20)
     laws = [line for line in table.splitlines() if line.startswith("at_once")]
-    assert any(line.count("not given") == 6 for line in laws)  # K ~ p
+    assert any(line.count("not given") == 8 for line in laws)  # K ~ p
     shown = json.loads(run("fit", file, "--resamples", 20, "--json"))
     assert lacking.isdisjoint(shown["experiments"]["main"]["at_once"])
 
@@ -122,7 +122,7 @@ def test_the_report_says_so(file: Path, tmp_path: Path) -> None:
     text = page.read_text(encoding="utf-8")
     assert "Area only" in text
     # What it means; where the model can be trusted, ū and K; the verdict on the model, where
-    # one line stands for K; of K ~ p; factors, and agreement within 10 % and 50 %, in ū and K
-    # at equal pressure and in A and K at equal ū.
-    assert text.count(">not given<") == 1 + 2 + 3 + 6 + 4 + 2 * 4
+    # one line stands for K; of K ~ p, with its drifts; factors, and agreement within 10 % and
+    # 50 %, in ū and K at equal pressure and in A and K at equal ū.
+    assert text.count(">not given<") == 1 + 2 + 3 + 8 + 5 + 2 * 4
     assert "states did not converge" not in text

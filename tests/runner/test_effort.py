@@ -16,7 +16,7 @@ from roughbench.planning.plan import plan
 from roughbench.planning.resources import assembly_memory
 from roughbench.rundir import former, shards
 from roughbench.rundir.collected import Collected, Coverage
-from roughbench.runner import driver
+from roughbench.runner import publication
 from roughbench.spec import load_spec
 
 Tree = dict[str, Any]
@@ -75,7 +75,7 @@ def test_what_is_finished_is_not_put_together_again(
     small_spec: Tree, output: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rb.run(small_spec, output=output)
-    made = counted(monkeypatch, driver, "assemble")
+    made = counted(monkeypatch, publication, "assemble")
     before = output.read_bytes()
     again = rb.run(small_spec, output=output)
     assert again["main"]["foundation"].n_realizations == 20
@@ -97,7 +97,7 @@ def test_other_assembling_code_is_a_reason(
     small_spec: Tree, output: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rb.run(small_spec, output=output)
-    made = counted(monkeypatch, driver, "assemble")
+    made = counted(monkeypatch, publication, "assemble")
     monkeypatch.setattr("roughbench.runner.provenance.assembly_digest", lambda: "other")
     rb.run(small_spec, output=output)
     assert len(made) == 2

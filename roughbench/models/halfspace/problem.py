@@ -143,7 +143,7 @@ class Problem:
         surface = h.reshape((1, -1)) if h.ndim == 1 else h
         self.solver = Solver(surface, tolerance, **self.options)
         # Σ of the areas of all points; of a line its length.
-        self.area = self.spacing**h.ndim * h.size * aspect
+        self.area = self.spacing * h.size * (self.spacing * aspect if h.ndim == 2 else 1.0)
         self.free = free
         rms = self.solver.rms
         if not (rms == 0.0 or 1e-152 < rms < 1e152) or (rms == 0.0 and np.ptp(h) > 0):
