@@ -13,10 +13,10 @@ are those that it shares with :mod:`roughbench.models.line`.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, Self
 
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from roughbench.errors import SolverError
 from roughbench.models._grids import GridOption
@@ -60,6 +60,15 @@ class HalfSpace(Model):
     hardness: HardnessOption = None
     screening: ScreeningOption = 0.0
     boundary: BoundaryOption = "periodic"
+
+    @model_validator(mode="after")
+    def _go_together(self) -> Self:
+        """Refuse options that are not computed together."""
+        if self.screening > 0.0 and self.boundary == "free":
+            raise ValueError("screening needs boundary: periodic")
+        if self.hardness is not None and (self.screening > 0.0 or self.boundary == "free"):
+            raise ValueError("hardness needs boundary: periodic, and no screening")
+        return self
 
     @property
     def highest_pressure(self) -> float | None:

@@ -418,3 +418,13 @@ def test_its_memory_is_counted() -> None:
     for double in (False, True):
         more = memory.needed(1000, double=double, free=True)
         assert more > memory.needed(1000, double=double)
+
+
+def test_a_start_needs_a_load() -> None:
+    heights = np.zeros((8, 8))
+    heights[4, 4] = 1.0
+    with pytest.raises(SolverError, match="start needs a pressure or a force with boundary"):
+        rb.solve_contact(heights, separation=-0.1, boundary="free", start=np.ones((8, 8)))
+    started = rb.solve_contact(heights, force=0.01, boundary="free", start=np.ones((8, 8)))
+    alone = rb.solve_contact(heights, force=0.01, boundary="free")
+    assert started.mean_separation == pytest.approx(alone.mean_separation, rel=1e-5)

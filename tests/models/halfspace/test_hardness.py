@@ -293,3 +293,16 @@ def test_a_spec_without_hardness_is_the_spec_that_it_was() -> None:
     assert HalfSpace(hardness=0.1).model_dump()["hardness"] == 0.1
     assert HalfSpace(hardness=3.0).reduced(2.0).hardness == 1.5
     assert HalfSpace().memory(1000) < HalfSpace(hardness=3.0).memory(1000)
+
+
+@pytest.mark.parametrize(
+    "options", [{"boundary": "free"}, {"screening": 1.0}, {"length": (1.0, 2.0)}], ids=str
+)
+def test_what_is_not_computed_together_is_refused(options: dict[str, Any]) -> None:
+    heights = np.random.default_rng(1).standard_normal((8, 8))
+    with pytest.raises(SolverError, match="hardness needs boundary: periodic, square points"):
+        rb.solve_contact(heights, 0.1, hardness=1.0, **options)
+    options.pop("length", None)
+    if options:
+        with pytest.raises(ValueError, match="hardness needs boundary: periodic, and no"):
+            HalfSpace(hardness=1.0, **options)
