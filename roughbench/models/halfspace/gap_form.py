@@ -27,9 +27,9 @@ from roughbench.models.halfspace.relaxation import (
     FIRST_STEP,
     LONGEST_STEP,
     PATIENCE,
-    PATIENCE_LINE,
     SHORTEST_STEP,
 )
+from roughbench.models.halfspace.tangent import GainSeries
 from roughbench.models.halfspace.threads import ThreadTeam
 from roughbench.models.halfspace.working_set import WorkingSet, tile_grid, tile_height
 
@@ -129,7 +129,6 @@ class GapSpace:
         d.fill(0)
         weight.fill(1)
         fields = g, w, d, y
-        patience = PATIENCE_LINE if self.shape[0] == 1 else PATIENCE
         tau, length, previous_power = FIRST_STEP, 1.0, 0.0
         best, since_best, iteration = math.inf, 0, 0
         step = 0.0
@@ -151,7 +150,7 @@ class GapSpace:
                 best, since_best = error, 0
             else:
                 since_best += 1
-            if error <= target or iteration >= max_iterations or since_best > patience:
+            if error <= target or iteration >= max_iterations or since_best > PATIENCE:
                 break
             beta = max(0.0, length * product / previous_power) if previous_power > 0.0 else 0.0
             found = self._descend(fields, weight, beta, tau)
@@ -241,11 +240,8 @@ class GapSpace:
         rows = self.team.even(marked.shape[0])
         height = tile_height(self.shape)
         self.team.run(loops.keep_pressure, rows, g, w, self._stiffness, height, marked)
-        return self._on_tiles(marked, w)
-
-    def _on_tiles(self, marked: NDArray[np.uint8], field: FloatField) -> WorkingSet:
         made = WorkingSet.on(self.shape, marked, self.dtype)
-        self.team.run(loops.gather, self.team.split(made.rows)[0], made.tiling, field, made.p)
+        self.team.run(loops.gather, self.team.split(made.rows)[0], made.tiling, w, made.p)
         made.keep_pressure()
         return made
 
@@ -279,8 +275,7 @@ class GapSpace:
         self._advance_frozen(fields, closed, weight, 0.0)
         tiles.wrap_halo(self._masked)
         self._weigh(weight)
-        length, previous, compliance, previous_gain = 0.0, math.inf, 0.0, math.inf
-        rates = 0.9, 0.9
+        length, previous, compliance, gains = 0.0, math.inf, 0.0, GainSeries(math.inf)
         iteration = 0
         while True:
             self._advance_frozen(fields, closed, weight, length)
@@ -300,11 +295,7 @@ class GapSpace:
             compliance += gain
             previous = power
             iteration += 1
-            # Of the last two steps the slower one, and never faster than 1/3.
-            rates = rates[1], min(max(gain / previous_gain, 1.0 / 3.0), 0.9)
-            previous_gain = gain
-            rate = max(rates)
-            if gain * rate / (1.0 - rate) <= tolerance * compliance:
+            if gains.rest_after(gain) <= tolerance * compliance:
                 break
         self._advance_frozen(fields, closed, weight, length)
         rate_of_change = np.empty_like(points.p)

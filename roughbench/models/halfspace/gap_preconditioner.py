@@ -19,11 +19,11 @@ points among a point and its eight neighbours.
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import DTypeLike
 
+from roughbench.models.halfspace.kernel import HALF_SPACE, nearest_values
 from roughbench.models.halfspace.loops.gap_form import CELL
 from roughbench.models.halfspace.threads import ThreadTeam
 from roughbench.transform import RealTransform
@@ -70,7 +70,8 @@ class GapPreconditioner:
         self._points = grid[0] * grid[1] * height * CELL
         open_points = np.maximum(np.arange(10), 1) / 9
         self.by_count = (open_points**EXPONENT).astype(self._transform.dtype)
-        self.weights = _stencil(shape).astype(self._transform.dtype)
+        short = 1 / (HALF_SPACE.wavenumbers(shape) / 2 + CROSSOVER)
+        self.weights = nearest_values(short).astype(self._transform.dtype)
 
     def open(self, contact_fraction: float) -> None:
         """Start at this contact fraction."""
@@ -85,14 +86,3 @@ class GapPreconditioner:
         self._transform.forward()
         self._transform.spectral *= self._multiplier
         self._transform.backward()
-
-
-def _stencil(shape: tuple[int, int]) -> NDArray[Any]:
-    """Values of 1/(|q|/2 + c) in real space: centre, along rows, across rows, diagonal."""
-    if shape[0] == 1:
-        q = 2 * math.pi * np.abs(np.fft.fftfreq(256))
-        line = np.fft.ifft(1 / (q / 2 + CROSSOVER)).real
-        return np.array([line[0], line[1], 0.0, 0.0])
-    q1d = 2 * math.pi * np.fft.fftfreq(256)
-    cell = np.fft.ifft2(1 / (np.hypot(q1d[:, None], q1d) / 2 + CROSSOVER)).real
-    return np.array([cell[0, 0], cell[0, 1], cell[1, 0], cell[1, 1]])

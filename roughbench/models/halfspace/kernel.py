@@ -67,19 +67,18 @@ class Kernel:
         in the centre, negative off it. Restricted to the working set they precondition G
         there without a transform.
         """
-        if shape[0] == 1:
-            q = self.wavenumber(np.zeros(1), _waves(256))
-            line = np.fft.ifft(q / 2).real
-            weights = [line[0], line[1], 0.0, 0.0]
+        if self.free:
+            stiffness = 1.0 / self._spectrum((256, 256))
+            stiffness[0, 0] = 0.0
         else:
-            if self.free:
-                stiffness = 1.0 / self._spectrum((256, 256))
-                stiffness[0, 0] = 0.0
-            else:
-                stiffness = self.wavenumber(_waves(256)[:, None], _waves(256)) / 2
-            cell = np.fft.ifft2(stiffness).real
-            weights = [cell[0, 0], cell[0, 1], cell[1, 0], cell[1, 1]]
-        return np.array(weights, dtype=dtype)
+            stiffness = self.wavenumbers(shape) / 2
+        return nearest_values(stiffness).astype(dtype)
+
+    def wavenumbers(self, shape: tuple[int, int]) -> FloatArray:
+        """√(q² + q_c²) on a periodic grid of 256 points per side, or line of as many."""
+        if shape[0] == 1:
+            return self.wavenumber(np.zeros(1), _waves(256))
+        return self.wavenumber(_waves(256)[:, None], _waves(256))
 
     def _spectrum(self, period: tuple[int, int]) -> FloatArray:
         """G of a free half-space on a periodic grid of even size, up to half of it."""
@@ -90,6 +89,14 @@ class Kernel:
 
 HALF_SPACE = Kernel()
 """The half-space on square points."""
+
+
+def nearest_values(symbol: FloatArray) -> FloatArray:
+    """Values in real space: at the origin, next to it along rows, across them, diagonally."""
+    values = np.fft.ifftn(symbol).real
+    if values.ndim == 1:
+        return np.array([values[0], values[1], 0.0, 0.0])
+    return np.array([values[0, 0], values[0, 1], values[1, 0], values[1, 1]])
 
 
 def _waves(n: int) -> FloatArray:

@@ -222,7 +222,7 @@ class Solver:
             self._gap_spaces[workspace.dtype] = GapSpace(workspace.operator, workspace.scratch)
         return self._gap_spaces[workspace.dtype]
 
-    def _has_gap_form(self, points: WorkingSet, fraction: float) -> bool:
+    def _has_gap_form(self, n_contact: int, fraction: float) -> bool:
         """Whether the gap may be the unknown, and so many points are in contact.
 
         It may not on a line, where what is left of w off the contact disturbs at all
@@ -233,7 +233,7 @@ class Solver:
             self.kernel == HALF_SPACE
             and self.hardness is None
             and self.heights.shape[0] > 1
-            and points.n_contact >= fraction * self.size
+            and n_contact >= fraction * self.size
         )
 
     def is_full(self, load: float) -> bool:
@@ -387,7 +387,7 @@ class Solver:
             workspace = self._workspace(double=double)
             left = self.max_iterations - iterations
             if load >= GAP_FORM_LOAD * self._rms_traction and self._has_gap_form(
-                points, GAP_FORM_CONTACT
+                points.n_contact, GAP_FORM_CONTACT
             ):
                 points.keep_pressure()
                 points, done = self._gap_space(workspace).minimise(
@@ -465,7 +465,7 @@ class Solver:
         if n_contact == 0:
             return 0.0, np.zeros_like(points.p)
         workspace = self._workspace(double=points.p.dtype == np.float64)
-        if self._has_gap_form(points, GAP_TANGENT_CONTACT):
+        if self._has_gap_form(n_contact, GAP_TANGENT_CONTACT):
             compliance, rate, _ = self._gap_space(workspace).tangent(points, TANGENT_TOLERANCE)
             return 1.0 / compliance, rate
         compliance, rate, _ = tangent(

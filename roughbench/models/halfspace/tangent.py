@@ -14,6 +14,28 @@ from roughbench.models.halfspace.working_set import WorkingSet
 from roughbench.models.halfspace.workspace import Workspace
 
 
+class GainSeries:
+    """Gains of the steps of conjugate gradients, which fall about geometrically.
+
+    Parameters
+    ----------
+    before : float
+        Gain before the first step.
+    """
+
+    def __init__(self, before: float) -> None:
+        self._gain = before
+        self._rates = 0.9, 0.9
+
+    def rest_after(self, gain: float) -> float:
+        """Estimate what is still to gain, after a step that has gained this much."""
+        # Of the last two steps the slower one, and never faster than 1/3.
+        self._rates = self._rates[1], min(max(gain / self._gain, 1.0 / 3.0), 0.9)
+        self._gain = gain
+        rate = max(self._rates)
+        return gain * rate / (1.0 - rate)
+
+
 def tangent(
     space: Workspace,
     points: WorkingSet,
@@ -60,8 +82,7 @@ def tangent(
     compliance = work / size
     team.run(vectors.mark_contact, blocks, w.tile_size, w.p, number(0), w.r)
     alpha, length = sum_y / n_contact, 1.0
-    previous, previous_gain = math.inf, compliance
-    rates = 0.9, 0.9
+    previous, gains = math.inf, GainSeries(compliance)
     iteration = 1
     while True:
         space.advance(alpha, 0.0, length)
@@ -81,11 +102,7 @@ def tangent(
         compliance -= gain
         previous = power
         iteration += 1
-        # Of the last two steps the slower one, and never faster than 1/3.
-        rates = rates[1], min(max(gain / previous_gain, 1.0 / 3.0), 0.9)
-        previous_gain = gain
-        rate = max(rates)
-        if gain * rate / (1.0 - rate) <= tolerance * compliance:
+        if gains.rest_after(gain) <= tolerance * compliance:
             break
     space.close()
     return compliance, x, iteration
