@@ -3,20 +3,28 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from roughbench.errors import SolverError
-from roughbench.inputs import real_number
-from roughbench.models.base import CompleteCurve, FloatArray, Status
+from roughbench.inputs import float_array, real_number
+from roughbench.models.base import CompleteCurve, FloatArray, State, Status
 from roughbench.models.halfspace.approach import solve_approach
 from roughbench.models.halfspace.options import Boundary, Correction, Precision
 from roughbench.models.halfspace.problem import Length, Problem
-from roughbench.models.halfspace.separation import no_contact, solve_at_separation
+from roughbench.models.halfspace.separation import (
+    load_towards,
+    no_contact,
+    solve_at_separation,
+)
 from roughbench.models.halfspace.solver import Solution, Solver
 from roughbench.models.halfspace.states import solve_states
 from roughbench.models.halfspace.working_set import WorkingSet
+
+FURTHEST = 4.0
+"""Most by which pressures are multiplied to start from."""
 
 
 class ContactState:
@@ -272,6 +280,7 @@ def solve_curve(
     pressures: ArrayLike | None = None,
     *,
     forces: ArrayLike | None = None,
+    separations: ArrayLike | None = None,
     length: Length = 1.0,
     modulus: float = 1.0,
     tolerance: float = 1e-6,
@@ -285,8 +294,9 @@ def solve_curve(
 ) -> CompleteCurve:
     """Solve states at many pressures on the same heights, each started from its neighbour.
 
-    States are solved in the order of rising pressure, whatever order is asked for, so the
-    result does not depend on that order. Parameters are those of :func:`solve_contact`.
+    States are solved in the order of rising pressure (or falling separation), whatever order
+    is asked for, so the result does not depend on that order. Parameters are those of
+    :func:`solve_contact`.
 
     Parameters
     ----------
@@ -296,6 +306,9 @@ def solve_curve(
         Nominal pressures p > 0 in the unit of ``modulus``, in any order.
     forces : array_like of float, shape (k,), optional
         Instead of them: forces F > 0, modulus · length² (of a line per length).
+    separations : array_like of float, shape (k,), optional
+        Instead of them: mean gaps ū > 0 in the unit of the heights, or minus the approaches
+        with ``boundary="free"``. The pressures of the curve are those that were found.
     length, modulus, tolerance, precision, threads, max_iterations, correction, \
     hardness, screening, boundary
         As in :func:`solve_contact`.
@@ -303,8 +316,8 @@ def solve_curve(
     Returns
     -------
     Curve
-        In the order of ``pressures``, which are the forces over the area of the heights;
-        stiffness in modulus/length, energy U/A0 in
+        In the order of what was given; its pressures are the forces over the area of the
+        heights; stiffness in modulus/length, energy U/A0 in
         modulus · length. Diagnostics: complementarity, penetration, load_error,
         iterations, transform_pairs; with a hardness plastic_depth.
 
@@ -314,6 +327,19 @@ def solve_curve(
         If an argument is out of its range, the heights are not finite, or the grid does
         not fit into memory.
     """
+    given = {"pressures": pressures, "forces": forces, "separations": separations}
+    named = [name for name, values in given.items() if values is not None]
+    if len(named) != 1:
+        raise SolverError(
+            "give exactly one of pressures, forces and separations, got "
+            + (" and ".join(named) or "none of them")
+        )
+    if separations is not None:
+        problem = Problem(
+            *(heights, length, modulus, tolerance, precision, threads, max_iterations),
+            *(correction, hardness, screening, boundary),
+        )
+        return _curve_at(problem, float_array(separations, "separations"))
     states = solve_states(
         heights,
         pressures,
@@ -335,3 +361,61 @@ def solve_curve(
     nominal = np.empty(wanted.size)
     nominal[np.argsort(wanted, kind="stable")] = [state.pressure for state in solved]
     return CompleteCurve.from_states(solved, nominal)
+
+
+def _curve_at(problem: Problem, separations: FloatArray) -> CompleteCurve:
+    """Return the states at mean gaps or, without a period, minus approaches.
+
+    A periodic state starts from the pressures of the one before it, at the load that its
+    tangent says, where that is near.
+    """
+    if separations.ndim != 1 or separations.size == 0:
+        raise SolverError(
+            f"separations must be a list of one or more, got shape {separations.shape}"
+        )
+    solver = problem.solver
+    nominal = np.empty(separations.size)
+    states: dict[int, State] = {}
+    start: FloatArray | None = None
+    for i in np.argsort(-separations, kind="stable"):
+        solution = _at_separation(problem, float(separations[i]), start)
+        state = ContactState(problem, solution, solution.load)
+        nominal[i] = state.force / problem.area
+        states[int(i)] = _as_state(problem, state, float(nominal[i]))
+        following = separations[separations < separations[i]].max(initial=-math.inf)
+        if not problem.free and solution.load > 0.0 and following > -math.inf:
+            load = load_towards(
+                solver,
+                following / problem.height_unit,
+                from_load=solution.load,
+                separation=solution.separation,
+                stiffness=state.stiffness() * solver.rms / problem.pressure_unit,
+            )
+            start = None
+            if load <= FURTHEST * solution.load:
+                start = solver.dense(solution)[0] * (load / solution.load)
+    ordered = [states[int(i)] for i in np.argsort(nominal, kind="stable")]
+    return CompleteCurve.from_states(ordered, nominal)
+
+
+def _as_state(problem: Problem, state: ContactState, pressure: float) -> State:
+    """Return the quantities of a curve."""
+    diagnostics: dict[str, float | np.number[Any]] = {
+        "complementarity": state.certificate.complementarity,
+        "penetration": state.certificate.penetration,
+        "load_error": state.certificate.load_error,
+        "iterations": np.int32(state.iterations),
+        "transform_pairs": np.int32(state.transform_pairs),
+    }
+    if problem.hardness is not None:
+        diagnostics["plastic_depth"] = state.plastic_depth
+    return State(
+        pressure=pressure,
+        area=state.area_fraction,
+        separation=state.mean_separation,
+        stiffness=state.stiffness(),
+        energy=state.energy,
+        status=state.status,
+        area_raw=state.area_fraction_raw,
+        diagnostics=diagnostics,
+    )

@@ -48,14 +48,12 @@ def solve_at_separation(
     start : ndarray, optional
         Pressures to start from, shape of the heights; their mean is the first load.
     """
-    first = solver.depth
-    full = min(solver.full_load, solver.hardness or math.inf)
+    full = most_load(solver)
     low, high = 0.0, full
     load = _spring_load(solver, separation)
     if start is not None:
         load = float(start.mean())
     load = min(max(load, 1e-12 * full), (1.0 - 1e-6) * full)
-    wanted = math.log(separation / (first - separation))
     iterations, before = 0, solver.pairs
     points = solver.cold_start(load) if start is None else solver.start_from(start, load)
     best = math.inf
@@ -77,7 +75,13 @@ def solve_at_separation(
             high = load
         before_this, load = (
             load,
-            _next_load(load, solution.separation, stiffness, full, first, wanted),
+            load_towards(
+                solver,
+                separation,
+                from_load=load,
+                separation=solution.separation,
+                stiffness=stiffness,
+            ),
         )
         if not low < load < high:
             load = 0.5 * (low + high) if low > 0.0 else 0.1 * high
@@ -113,20 +117,41 @@ def no_contact(solver: Solver, separation: float) -> Solution:
     )
 
 
-def _next_load(
-    load: float, separation: float, stiffness: float, full: float, first: float, wanted: float
+def load_towards(
+    solver: Solver, wanted: float, *, from_load: float, separation: float, stiffness: float
 ) -> float:
-    """Newton's step in y and z; nan where ū is not between 0 and ū₀."""
-    if not (0.0 < separation < first and 0.0 < stiffness < math.inf):
+    """Load for the mean gap ``wanted``: Newton's step in y and z from a state.
+
+    Parameters
+    ----------
+    solver : Solver
+    wanted : float
+        ū in h_rms.
+    from_load, separation, stiffness : float
+        p̄ > 0, ū and K = −dp̄/dū of the state; dimensionless.
+
+    Returns
+    -------
+    float
+        nan where one of both ū is not between 0 and ū₀.
+    """
+    first, full = solver.depth, most_load(solver)
+    if not (0.0 < separation < first and 0.0 < wanted < first and 0.0 < stiffness < math.inf):
         return math.nan
     z = math.log(separation / (first - separation))
+    aim = math.log(wanted / (first - wanted))
     slope = (
         -(first / (separation * (first - separation)))
-        * (load * (full - load) / full)
+        * (from_load * (full - from_load) / full)
         / stiffness
     )
-    y = math.log(load / (full - load)) + (wanted - z) / slope
+    y = math.log(from_load / (full - from_load)) + (aim - z) / slope
     return full / (1.0 + math.exp(-min(max(y, -700.0), 700.0)))
+
+
+def most_load(solver: Solver) -> float:
+    """p_f: the load of full contact, or the hardness, where that is less."""
+    return min(solver.full_load, solver.hardness or math.inf)
 
 
 def _spring_load(solver: Solver, separation: float) -> float:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from roughbench.errors import SolverError
 from roughbench.models.base import Status
-from roughbench.models.halfspace.contact import solve_contact
+from roughbench.models.halfspace.contact import solve_contact, solve_curve
 
 FloatArray = NDArray[np.float64]
 
@@ -106,3 +106,34 @@ def test_flat_walls_touch_or_do_not() -> None:
     state = solve_contact(np.zeros((8, 8)), separation=0.5, threads=1)
     assert not state.pressure.any()
     assert state.gap.tolist() == np.full((8, 8), 0.5).tolist()
+
+
+def test_a_curve_at_gaps_is_that_at_their_pressures() -> None:
+    heights = rough(32, seed=6)
+    pressures = full_load(heights) * np.array([0.3, 1e-4, 0.15, 0.08, 0.2])
+    there = solve_curve(heights, pressures, threads=1)
+    above = 2.0 * float(heights.max() - heights.mean())
+    back = solve_curve(heights, separations=[*there.separation, above], threads=1)
+    assert (back.status == Status.CONVERGED).all()
+    np.testing.assert_allclose(back.pressure, [*pressures, 0.0], rtol=5e-6)
+    np.testing.assert_allclose(back.area_raw, [*there.area_raw, 0.0], atol=2e-3)
+    np.testing.assert_allclose(back.stiffness, [*there.stiffness, 0.0], rtol=1e-3)
+    alone = [solve_contact(heights, separation=u, threads=1) for u in there.separation]
+    pairs = sum(state.transform_pairs for state in alone)
+    assert back.diagnostics["transform_pairs"].sum() < pairs
+
+
+def test_a_curve_at_approaches() -> None:
+    x = np.linspace(-0.5, 0.5, 32)
+    sphere = -(x[:, None] ** 2 + x**2) / 20.0
+    curve = solve_curve(sphere, separations=[-0.01, -0.005], boundary="free", threads=1)
+    states = [solve_contact(sphere, separation=s, boundary="free") for s in (-0.01, -0.005)]
+    # Over the area of a cell of unit length.
+    np.testing.assert_allclose(curve.pressure, [s.force for s in states], rtol=1e-5)
+
+
+def test_a_curve_is_at_one_kind_of_points() -> None:
+    with pytest.raises(SolverError, match="exactly one of pressures, forces and separations"):
+        solve_curve(rough(16, seed=5), [1.0], separations=[0.1])
+    with pytest.raises(SolverError, match="separations must be a list of one or more"):
+        solve_curve(rough(16, seed=5), separations=[])
