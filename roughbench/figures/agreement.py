@@ -32,6 +32,7 @@ from numpy.typing import ArrayLike
 from roughbench.figures.axes import BARE, Axes
 from roughbench.figures.curves import curve_of
 from roughbench.fits.windows import Part, part_between, widest_run
+from roughbench.models.registry import is_modified
 from roughbench.results import ModelResult, Results
 
 FACTOR = 2.0
@@ -153,5 +154,9 @@ def agreement_in(
 
 
 def _first(results: Results, experiment: str, kind: str) -> ModelResult | None:
-    models = results[experiment].values()
-    return next((r for r in models if r.kind == kind and "stiffness_mean" in r), None)
+    own = (
+        one
+        for one in results[experiment].values()
+        if one.kind == kind and not is_modified(kind, one.attributes)
+    )
+    return next((one for one in own if "stiffness_mean" in one), None)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roughbench.errors import StoreError
+from roughbench.models.registry import is_modified
 from roughbench.results import ModelResult, Results
 
 FloatArray = NDArray[np.float64]
@@ -60,8 +61,10 @@ class Pressed:
 
 
 def pressed_lines(results: Results) -> Iterator[Pressed]:
-    """Yield the states of foundations whose fields are kept, short of full contact."""
+    """Yield the states of foundations as published whose fields are kept, short of full."""
     for experiment, result in results.models():
+        if is_modified(result.kind, result.attributes):
+            continue
         if result.kind == "foundation" and "field_pressure" in result:
             yield from _states(experiment, result)
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from roughbench.figures.axes import Axes as Shown
 from roughbench.figures.axes import axes_of
-from roughbench.models.registry import is_reference
+from roughbench.fits import is_exact
 from roughbench.quantities import QUANTITIES
 from roughbench.results import ModelResult, Results
 from roughbench.verdict.onset import foundation_and_theory
@@ -63,7 +63,7 @@ def cases_of(results: Results) -> list[RollOffCase]:
     found = []
     for experiment, models in results.experiments.items():
         foundation, theory = foundation_and_theory(models)
-        exact = next((one for one in models.values() if is_reference(one.kind)), None)
+        exact = next((one for one in models.values() if is_exact(one)), None)
         known = next(iter(models.values())).attributes if models else {}
         if {"q_rolloff", "q_min"} <= set(known) and (foundation or theory or exact):
             ratio = float(known["q_rolloff"]) / float(known["q_min"])

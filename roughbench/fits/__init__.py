@@ -38,7 +38,7 @@ from roughbench.fits.comparisons import (
 from roughbench.fits.deviations import Deviations, deviations
 from roughbench.fits.laws import fit_laws, needs
 from roughbench.fits.resampling import MISSING, NOT_GIVEN, Estimate, estimate, n_random
-from roughbench.models.registry import is_reference
+from roughbench.models.registry import is_modified, is_reference
 from roughbench.results import ModelResult, Results
 
 __all__ = [
@@ -54,6 +54,7 @@ __all__ = [
     "factors",
     "fit",
     "fit_models",
+    "is_exact",
     "n_random",
     "reference_of",
 ]
@@ -72,7 +73,7 @@ def reference_of(models: dict[str, ModelResult], reference: str | None = None) -
     models : dict of str to ModelResult
         Of one experiment.
     reference : str, optional
-        A label; default: the first exact solver.
+        A label; default: the first exact solver; a screened one is none.
 
     Returns
     -------
@@ -90,7 +91,15 @@ def reference_of(models: dict[str, ModelResult], reference: str | None = None) -
                 f"no model is named {reference!r}; choose one of {', '.join(models)}"
             )
         return reference
-    return next((label for label, result in models.items() if is_reference(result.kind)), None)
+    return next((label for label, result in models.items() if is_exact(result)), None)
+
+
+def is_exact(result: ModelResult) -> bool:
+    """Return whether others are compared with a model, as the exact solution.
+
+    Options that make another model of it, as ``screening`` of ``bem`` does, end that.
+    """
+    return is_reference(result.kind) and not is_modified(result.kind, result.attributes)
 
 
 def fit(
@@ -107,7 +116,7 @@ def fit(
     results : Results
     reference : str, optional
         Label of the model that the others are held against; default: the first ``bem`` of
-        each experiment.
+        each experiment without ``screening``.
     resamples : int
         How often to draw the realizations anew, at least 2.
     seed : int

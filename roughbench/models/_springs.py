@@ -1,15 +1,36 @@
-"""Pressure and gap of independent springs, from a curve that is computed already."""
+"""What independent springs share: how stiff they are, and their fields in a solved state."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import cast
+from typing import Annotated, Literal, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic import Discriminator, Tag
 
 from roughbench.inputs import float_array
 from roughbench.models.base import Fields, FloatArray, Sample, State
+from roughbench.models.dimensional import WavevectorOption
+from roughbench.units import begins_with_number
+
+_Named = Literal["published", "matched"]
+
+
+def _form(value: object) -> str | None:
+    if isinstance(value, str) and not begins_with_number(value):
+        return "word" if value in ("published", "matched") else None
+    return "number"
+
+
+ModulusOption = Annotated[
+    Annotated[_Named, Tag("word")] | Annotated[WavevectorOption, Tag("number")],
+    Discriminator(
+        _form,
+        custom_error_type="modulus_choice",
+        custom_error_message="must be published, matched, or k_w/E*, 1/length",
+    ),
+]
 
 
 def spring_fields(

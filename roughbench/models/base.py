@@ -104,6 +104,10 @@ class Model(BaseModel, ABC):
     is_reference: ClassVar[bool] = False
     """Whether it is the exact solution, which all others are compared with."""
 
+    modifying: ClassVar[tuple[str, ...]] = ()
+    """Options that make another model of it than its kind stands for. With one of them it is no
+    reference, and no claim on its kind is about it; as a contender it counts."""
+
     sampling: ClassVar[tuple[str, ...]] = ()
     """Options that choose how heights are generated, first that of the points per side; they
     mean nothing for heights from a file."""

@@ -28,6 +28,15 @@ half-space, whose mean displacement costs nothing, holds for the part
 :math:`U' = U - (\pi/8)\,A_0 L p^2/E^*`, i.e. :math:`(2/\pi L)\,\mathrm{Var}(\delta)`;
 compare that with the exact solver's energy.
 
+**Other springs.** With a modulus :math:`k_w` of its own (pressure per compression) in place of
+:math:`4E^*/\pi L`, as :mod:`.winkler` has,
+
+.. math:: p = k_w D, \quad K = k_w\frac{c}{1-c}, \quad
+          \frac{U}{A_0} = \frac{k_w}{2}\langle\delta^2\rangle,
+
+and with the area counted in points :math:`A/A_0 = c`. Both together are ``winkler`` on a
+line, and what is left between the two is the dimension.
+
 Source: V. L. Popov and A. E. Filippov (2008) for the method, with the areas and
 pressures as in I. A. Lyashenko, L. Pastewka and B. N. J. Persson (2013).
 """
@@ -35,9 +44,9 @@ pressures as in I. A. Lyashenko, L. Pastewka and B. N. J. Persson (2013).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import ClassVar, Literal
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -47,10 +56,11 @@ from roughbench.errors import SolverError
 from roughbench.models._checks import (
     checked_heights,
     checked_length,
+    checked_positive,
     checked_pressures,
     refuse_overflow,
 )
-from roughbench.models._springs import make_spring_fields
+from roughbench.models._springs import ModulusOption, make_spring_fields
 from roughbench.models.base import (
     CompleteCurve,
     Fields,
@@ -62,10 +72,12 @@ from roughbench.models.base import (
     Status,
 )
 from roughbench.models.style import Style
+from roughbench.models.winkler import matched_modulus
 from roughbench.spectrum import Spectrum
 from roughbench.surface import Undersampled, check_grid
 
 Ends = Literal["periodic", "open"]
+AreaRule = Literal["regions", "points"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +152,13 @@ def full_contact_pressure(heights: ArrayLike, length: float) -> float:
 
 
 def foundation_curve(
-    heights: ArrayLike, pressures: ArrayLike, length: float, ends: Ends = "periodic"
+    heights: ArrayLike,
+    pressures: ArrayLike,
+    length: float,
+    ends: Ends = "periodic",
+    *,
+    modulus: float | None = None,
+    area: AreaRule = "regions",
 ) -> CompleteCurve:
     r"""Return area, separation, stiffness and energy of the foundation, exactly.
 
@@ -159,6 +177,11 @@ def foundation_curve(
     ends : {"periodic", "open"}
         Whether regions connect through the ends of the line. Force, separation and
         stiffness do not depend on it.
+    modulus : float, optional
+        k_w/E* of the foundation, 1/length; default: 4/(πL), as published.
+    area : {"regions", "points"}
+        Σ n_i²/N², the area of round contacts as wide as the regions, or the share of the
+        springs in contact.
 
     Returns
     -------
@@ -186,11 +209,24 @@ def foundation_curve(
     [2, 2]
     >>> curve.area.tolist(), curve.separation.tolist(), curve.stiffness.tolist()
     ([0.25, 0.25], [0.75, 0.25], [1.0, 1.0])
+
+    Springs four times as stiff, and points counted:
+
+    >>> curve = foundation_curve([3.0, 2.0, 0.0, 0.0], [2.0], 1.0, modulus=4.0, area="points")
+    >>> curve.area.tolist(), curve.separation.tolist(), curve.stiffness.tolist()
+    ([0.5], [0.75], [4.0])
     """
     p = checked_pressures(pressures)
     side = checked_length(length)
+    if modulus is not None:
+        # The line that has this modulus as published: its length counts for nothing else.
+        side = 4.0 / (math.pi * checked_positive(modulus, "the springs' modulus"))
     with np.errstate(all="ignore"):
-        return refuse_overflow(_evaluate(_events(heights, side, ends), p, side))
+        curve = _evaluate(_events(heights, side, ends), p, side)
+        if area == "points":
+            n = np.size(heights)
+            curve = replace(curve, area=curve.diagnostics["springs_in_contact"] / n)
+        return refuse_overflow(curve)
 
 
 def _evaluate(events: _Events, p: FloatArray, length: float) -> CompleteCurve:
@@ -225,12 +261,13 @@ class Foundation(Model):
     """Popov's foundation: independent springs on a line with C1D = π q C2D."""
 
     needs: ClassVar[Needs] = "line"
-    title: ClassVar[str] = "Popov (1D foundation)"
     style: ClassVar[Style] = Style("#0072B2", ((), (9, 1.5), (6, 1, 1, 1)), order=3)
     page: ClassVar[str] = "docs/models/foundation.md"
     sampling: ClassVar[tuple[str, ...]] = ("springs", "undersampled")
     iterative: ClassVar[bool] = False
     has_fields: ClassVar[bool] = True
+    modifying: ClassVar[tuple[str, ...]] = ("modulus", "area")
+    later: ClassVar[tuple[str, ...]] = ("modulus", "area")
 
     kind: Literal["foundation"] = "foundation"
     springs: int = Field(
@@ -253,6 +290,37 @@ class Foundation(Model):
         "slope of the line falls from 0.100 to 0.081 (truncate) or 0.086 (alias), the "
         "area changes by at most +4 %, separation and stiffness by 0.1 %.",
     )
+
+    modulus: ModulusOption = Field(
+        default="published",
+        description="Of the springs, k_w/E*: published, 4/(πL) from k = aE*; matched, "
+        "M_1/(2 M_0) of each line, the half-space's response at the mean wavevector, as "
+        "winkler takes it; or a number, 1/length.",
+    )
+    area: AreaRule = Field(
+        default="regions",
+        description="regions: the sum of the squares, Σ n²/N² over regions of n springs, as "
+        "published; points: the share of the springs in contact, as winkler counts.",
+    )
+
+    @property
+    def title(self) -> str:
+        """Name in legends and tables; Popov's is the foundation as published."""
+        if self.modulus == "published" and self.area == "regions":
+            return "Popov (1D foundation)"
+        springs = {"published": "", "matched": ", matched modulus"}
+        named = self.modulus if isinstance(self.modulus, str) else ""
+        counted = ", area in points" * (self.area == "points")
+        return f"1D foundation{springs.get(named, ', own modulus')}{counted}"
+
+    @classmethod
+    def legend(cls, attributes: Mapping[str, Any], quantity: str) -> Sequence[str]:
+        """Return the modulus of the springs, where it is a number and there are no units."""
+        del quantity
+        modulus = attributes.get("modulus", "published")
+        if isinstance(modulus, str) or "contact_modulus" in attributes:
+            return []
+        return [rf"$k_w = {modulus:.3g}\,E\!^*$"]
 
     @property
     def undersampling(self) -> Undersampled:
@@ -281,8 +349,22 @@ class Foundation(Model):
         """Return the exact curve of one line."""
         if sample.heights is None:
             raise SolverError("the foundation needs the heights of a line")
-        return foundation_curve(sample.heights, pressures, sample.length, self.ends)
+        return foundation_curve(
+            sample.heights,
+            pressures,
+            sample.length,
+            self.ends,
+            modulus=self._own_modulus(sample),
+            area=self.area,
+        )
 
     def make_fields(self, sample: Sample) -> Callable[[State], Fields]:
-        """Return what computes them; the pressure is that per nominal area, (4/π)E*δ/L."""
-        return make_spring_fields(sample, 4.0 / (math.pi * sample.length))
+        """Return what computes them; the pressure is that per nominal area, k_w δ."""
+        modulus = self._own_modulus(sample)
+        return make_spring_fields(sample, modulus or 4.0 / (math.pi * sample.length))
+
+    def _own_modulus(self, sample: Sample) -> float | None:
+        """Return k_w/E*, None as published."""
+        if self.modulus == "matched":
+            return matched_modulus(sample)
+        return None if isinstance(self.modulus, str) else self.modulus

@@ -147,6 +147,27 @@ def is_reference(kind: str) -> bool:
     return model is not None and model.is_reference
 
 
+def is_modified(kind: str, attributes: Mapping[str, object]) -> bool:
+    """Whether results are of a model with options that make another one of its kind.
+
+    Parameters
+    ----------
+    kind : str
+    attributes : mapping
+        Of the results: what the options say.
+
+    Examples
+    --------
+    >>> is_modified("bem", {"screening": 8.0}), is_modified("bem", {"grid": 512})
+    (True, False)
+    """
+    model = declared(kind)
+    return model is not None and any(
+        name in attributes and attributes[name] != model.model_fields[name].default
+        for name in model.modifying
+    )
+
+
 class Unavailable(Model, extra="allow"):
     """Stands for a model that is not here, where only what the spec says counts."""
 
@@ -212,4 +233,13 @@ class Catalog:
             return kind
 
 
-__all__ = ["BUILT_IN", "GROUP", "MODELS", "Catalog", "Unavailable", "declared", "origin_of"]
+__all__ = [
+    "BUILT_IN",
+    "GROUP",
+    "MODELS",
+    "Catalog",
+    "Unavailable",
+    "declared",
+    "is_modified",
+    "origin_of",
+]

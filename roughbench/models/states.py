@@ -37,11 +37,14 @@ class Fields:
         Local separation, length; of no account where the pressure is positive.
     modulus : float or None
         k_w/E* of independent springs, 1/length; None for a half-space.
+    screening : float
+        q_c of a half-space, 1/length: its compliance is 2/(E*√(q² + q_c²)).
     """
 
     pressure: FloatArray
     gap: FloatArray
     modulus: float | None = None
+    screening: float = 0.0
 
 
 QUANTITIES = ("area", "area_raw", "separation", "stiffness", "energy")

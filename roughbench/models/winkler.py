@@ -289,6 +289,8 @@ class Winkler(HeightsOrSpectrum):
     style: ClassVar[Style] = Style("#CC79A7", ((5, 1.5, 1, 1.5),))
     page: ClassVar[str] = "docs/models/winkler.md"
 
+    modifying: ClassVar[tuple[str, ...]] = ("modulus",)
+
     kind: Literal["winkler"] = "winkler"
     heights: Literal["realized", "gaussian"] = Field(
         default="realized",

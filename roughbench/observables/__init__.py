@@ -87,7 +87,13 @@ class SolvedState(Protocol):
     def gap(self) -> NDArray[np.float64]: ...
 
 
-def of_state(state: SolvedState, length: float, units: Units, modulus: float = 1.0) -> Field:
+def of_state(
+    state: SolvedState,
+    length: float,
+    units: Units,
+    modulus: float = 1.0,
+    screening: float = 0.0,
+) -> Field:
     """Return the field of a state that :func:`roughbench.solve_contact` found.
 
     Parameters
@@ -100,6 +106,8 @@ def of_state(state: SolvedState, length: float, units: Units, modulus: float = 1
         ξ and h_rms: a spectrum, or :class:`Scales`.
     modulus : float
         E*, as it was given to the solver.
+    screening : float
+        q_c, as it was given to the solver.
     """
     return Field(
         pressure=float_array(state.pressure, "pressures") / modulus,
@@ -108,6 +116,7 @@ def of_state(state: SolvedState, length: float, units: Units, modulus: float = 1
         rms_slope=units.rms_slope,
         rms_height=units.rms_height,
         spectrum=_spectrum(units),
+        screening=screening,
     )
 
 
@@ -161,6 +170,7 @@ def of_fields(fields: Fields, length: float, units: Units) -> Field:
         rms_height=units.rms_height,
         modulus=fields.modulus,
         spectrum=_spectrum(units),
+        screening=fields.screening,
     )
 
 

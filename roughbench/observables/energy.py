@@ -1,7 +1,8 @@
 r"""The elastic energy by wavevector.
 
 A half-space holds :math:`\sum|\sigma_q|^2/(E^*q)` (the mean of the pressure costs
-nothing), independent springs :math:`\sum|\sigma_q|^2/2k_w`.
+nothing), with a screening :math:`q_c` it is :math:`\sqrt{q^2 + q_c^2}` in place of q, and
+independent springs hold :math:`\sum|\sigma_q|^2/2k_w`.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ class EnergySpectrum(Observable):
         """Return it for one state."""
         modes = modes_of(field.pressure, field)
         if field.modulus is None:
-            compliance = 1.0 / modes.q
+            compliance = 1.0 / np.hypot(modes.q, field.screening)
         else:
             compliance = np.full(modes.q.shape, 0.5 / field.modulus)
         held = modes.total(modes.power * compliance)

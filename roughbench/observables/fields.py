@@ -62,6 +62,8 @@ class Field:
         and gaps, so that surfaces can be averaged bin by bin.
     modulus : float or None
         k_w/E* of independent springs, 1/length; None for a half-space.
+    screening : float
+        q_c of a half-space, 1/length; 0 for none.
     spectrum : Spectrum or None
         Of the surface, where it is known.
     """
@@ -73,6 +75,7 @@ class Field:
     rms_height: float
     modulus: float | None = None
     spectrum: Spectrum | None = None
+    screening: float = 0.0
 
     def __post_init__(self) -> None:
         """Refuse what is no state.
@@ -93,6 +96,8 @@ class Field:
             raise SolverError("pressure and gap must be finite")
         if (self.pressure < 0.0).any():
             raise SolverError("a contact without adhesion has no negative pressure")
+        if not 0.0 <= self.screening < math.inf:
+            raise SolverError(f"screening must be at least 0, got {self.screening}")
         for name in ("length", "rms_slope", "rms_height"):
             if not 0.0 < getattr(self, name) < math.inf:
                 raise SolverError(f"{name} must be positive and finite")

@@ -157,6 +157,8 @@ def _path(loc: tuple[str | int, ...]) -> KeyPath:
     """Leave out the names of union members, which pydantic puts into the location."""
     if loc[:1] in (("surface",), ("pressures",), ("modulus",)):
         return loc[:1] + loc[2:]
+    if loc[:1] == ("models",) and loc[3:] in (("word",), ("number",)):
+        return loc[:3]
     return loc
 
 

@@ -65,7 +65,7 @@ def judge(
         Each with a name, such as that of its file.
     reference : str, optional
         Label of the model that is taken for exact; default: the first ``bem`` of each
-        experiment.
+        experiment without ``screening``.
     resamples : int
         Of the bootstrap that the errors come from, at least 2.
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from roughbench.errors import StoreError
 from roughbench.fits import Deviations, Estimate, fit_models, reference_of
+from roughbench.models.registry import is_modified
 from roughbench.results import ModelResult, Results
 
 EXACT = ("exact",)
@@ -56,10 +57,17 @@ class FittedExperiment:
         return [one for label, one in self.models.items() if label != self.reference]
 
     def of_kinds(self, kinds: Sequence[str]) -> list[ModelResult]:
-        """Return the contenders of some kinds, or for :data:`EXACT` the exact solution."""
+        """Return the contenders of some kinds, or for :data:`EXACT` the exact solution.
+
+        Without those whose options make another model of them: no claim is about these.
+        """
         if kinds == EXACT:
             return [] if self.exact is None else [self.exact]
-        return [model for model in self.contenders if model.kind in kinds]
+        return [
+            model
+            for model in self.contenders
+            if model.kind in kinds and not is_modified(model.kind, model.attributes)
+        ]
 
     def where(self, model: ModelResult) -> str:
         """Say which model of which experiment."""
@@ -77,7 +85,7 @@ def fit_experiments(
         Each with a name, such as that of its file.
     reference : str or None
         Label of the model that is taken for exact; default, and where there is none of
-        this label: the first ``bem``.
+        this label: the first ``bem`` without ``screening``.
     resamples : int
         Of the bootstrap that the errors come from, at least 2.
 

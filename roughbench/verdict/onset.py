@@ -35,6 +35,7 @@ from roughbench.fits import Estimate
 from roughbench.fits.laws import FEWEST, FINITE_SIZE_EXCESS
 from roughbench.fits.resampling import draw_counts, estimate, n_random, resampled_means
 from roughbench.models.persson import finite_size_stiffness, persson_curve
+from roughbench.models.registry import is_modified
 from roughbench.results import Attribute, ModelResult
 from roughbench.spectrum import Spectrum, self_affine
 
@@ -223,8 +224,10 @@ def _first(x: FloatArray, y: FloatArray, level: float) -> float:
 def foundation_and_theory(
     models: Mapping[str, ModelResult],
 ) -> tuple[ModelResult | None, ModelResult | None]:
-    """Return the first foundation and the first of Persson's theories of an experiment."""
+    """Return the first foundation as published and the first of Persson's theories."""
+    own = [one for one in models.values() if not is_modified(one.kind, one.attributes)]
     kinds = ("foundation", "persson")
-    first = (next((one for one in models.values() if one.kind == kind), None) for kind in kinds)
-    foundation, theory = first
+    foundation, theory = (
+        next((one for one in own if one.kind == kind), None) for kind in kinds
+    )
     return foundation, theory

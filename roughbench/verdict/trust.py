@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from roughbench.fits import Deviations, Estimate
+from roughbench.fits import Deviations, Estimate, is_exact
 from roughbench.fits.comparisons import NEARLY_CLOSED, Comparison
-from roughbench.models.registry import declared, is_reference
+from roughbench.models.registry import declared
 from roughbench.notation import typeset
 from roughbench.numbers import with_error
 from roughbench.quantities import Quantity, compared
@@ -195,7 +195,7 @@ def _quantities(
     fits = experiment.fits[model.label]
     deviations = experiment.deviations.get(model.label, {})
     modulus = experiment.modulus
-    noun = "exact" if is_reference(exact.kind) else "reference’s"
+    noun = "exact" if is_exact(exact) else "reference’s"
     for name, quantity in compared().items():
         comparison = Comparison(name)
         if not quantity.is_expected and comparison.factor not in fits:
@@ -242,7 +242,7 @@ def choose_pressures(pressure: FloatArray) -> list[int]:
 def _basis(model: ModelResult, exact: ModelResult) -> str:
     """Say what surfaces were compared, and where the errors come from."""
     ours, theirs = _surfaces(model), _surfaces(exact)
-    whom = "the exact solution" if is_reference(exact.kind) else exact.title
+    whom = "the exact solution" if is_exact(exact) else exact.title
     of_theirs = f" of {theirs}" if theirs else ""
     words = f"{ours or 'from the spectrum alone'}, against {whom}{of_theirs}"
     random = [one for one in (model, exact) if one.is_random]

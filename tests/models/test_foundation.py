@@ -14,7 +14,10 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from roughbench.errors import SolverError, SurfaceError
+import roughbench as rb
+from roughbench.errors import SolverError, SpecError, SurfaceError
+from roughbench.figures.labels import model_names
+from roughbench.figures.pressed import pressed_lines
 from roughbench.models.base import Curve, Sample, Status
 from roughbench.models.foundation import (
     Ends,
@@ -22,8 +25,11 @@ from roughbench.models.foundation import (
     foundation_curve,
     full_contact_pressure,
 )
+from roughbench.models.winkler import matched_modulus, winkler_curve
+from roughbench.spec import load_spec
 from roughbench.spectrum import Spectrum, self_affine
 from roughbench.surface import make_profile, realization_generator, rms_height_and_slope
+from roughbench.verdict.onset import foundation_and_theory
 
 FloatArray = NDArray[np.float64]
 ENDS: tuple[Ends, ...] = ("periodic", "open")
@@ -267,6 +273,126 @@ def test_number_of_regions_follows_rice() -> None:
     error = np.std(counts, ddof=1) / math.sqrt(runs)
     assert abs(np.mean(counts) - rice) < 4 * error
     assert error < 0.03 * rice  # it is a test
+
+
+# Scale and area rule, one at a time ------------------------------------------------------
+
+
+def test_a_modulus_changes_the_scale_of_the_pressure_alone() -> None:
+    """p = k_w D: states at pressures in the ratio of the moduli are the same."""
+    heights, length, k_w = line(300), 1.7, 9.0
+    p = np.geomspace(1e-6, 30.0, 15)
+    published = foundation_curve(heights, p, length)
+    own = foundation_curve(heights, k_w * length / UNIT * p, length, modulus=k_w)
+    ratio = k_w * length / UNIT
+    assert (own.diagnostics["springs_in_contact"] < 300).any()
+    assert np.isinf(own.stiffness[-1])
+    np.testing.assert_array_equal(own.area, published.area)
+    np.testing.assert_allclose(own.separation, published.separation, rtol=1e-12)
+    np.testing.assert_allclose(own.stiffness, ratio * published.stiffness, rtol=1e-12)
+    np.testing.assert_allclose(own.energy, ratio * published.energy, rtol=1e-12)
+
+
+def test_with_modulus_and_points_it_is_winkler_on_a_line() -> None:
+    """What is left between the two is the dimension, and p²/2k_w in the energy."""
+    spectrum, length = paper_spectrum(4, 32), 2 * math.pi
+    heights = make_profile(spectrum, 512, length, realization_generator(2, 0))
+    sample = Sample(heights, length, spectrum)
+    p = np.geomspace(1e-5, 1.0, 12)
+    model = Foundation(springs=512, modulus="matched", area="points")
+    curve, k_w = model.curve(sample, p), matched_modulus(sample)
+    springs = winkler_curve(heights, p, k_w)
+    np.testing.assert_array_equal(curve.area, springs.area)
+    assert curve.area[0] < 0.02
+    assert curve.area[-1] == 1.0
+    np.testing.assert_allclose(curve.separation, springs.separation, rtol=1e-11)
+    np.testing.assert_allclose(curve.stiffness, springs.stiffness, rtol=1e-11)
+    np.testing.assert_allclose(curve.energy - p**2 / (2 * k_w), springs.energy, rtol=1e-9)
+    fields = model.make_fields(sample)(next(iter(curve.states())))
+    assert fields.pressure.mean() == pytest.approx(p[0], rel=1e-9)
+    assert fields.modulus == k_w
+    # M_1/2M_0 of the line: sums over its waves, |h_q|² = q0 C1D.
+    q = np.arange(1, 33)
+    c_1d = np.where(q < 4, q * 4.0**-3.4, q**-2.4)
+    assert k_w == pytest.approx(float((q * c_1d).sum() / c_1d.sum() / 2), rel=1e-9)
+
+
+def test_points_of_gaussian_heights_are_the_share_above_the_plane() -> None:
+    from scipy.special import ndtri
+
+    n, t = 1 << 16, 1.5
+    heights = ndtri((np.arange(n) + 0.5) / n)
+    density = math.exp(-t * t / 2) / math.sqrt(2 * math.pi)
+    share = math.erfc(t / math.sqrt(2)) / 2
+    curve = foundation_curve(heights, [2.0 * (density - t * share)], 1.0, modulus=2.0)
+    points = foundation_curve(heights, curve.pressure, 1.0, modulus=2.0, area="points")
+    assert points.area[0] == pytest.approx(share, rel=2e-4)
+    assert curve.area[0] == pytest.approx(share**2, rel=4e-4)  # sorted: one region
+    # Midpoints stand for the means of the strata; the outermost are off by most.
+    assert points.separation[0] == pytest.approx(t + density - t * share, rel=2e-5)
+
+
+def test_only_the_published_foundation_is_the_papers() -> None:
+    tree = {
+        "name": "scales",
+        "surface": {"H": 0.7, "q0": 1.0, "q1": 32.0, "slope": 0.1},
+        "pressures": [1e-5, 1e-4],
+        "realizations": 2,
+        "save_fields": {"pressures": [1e-5], "realizations": [0]},
+        "models": [
+            {"kind": "foundation", "label": "stiff", "springs": 64, "modulus": "matched"},
+            {"kind": "foundation", "label": "points", "springs": 64, "area": "points"},
+            {"kind": "foundation", "label": "own", "springs": 64, "modulus": 8.9},
+            {"kind": "foundation", "springs": 64},
+        ],
+    }
+    results = rb.run(tree)
+    models = results["main"]
+    assert foundation_and_theory(models)[0] is models["foundation"]
+    assert len([*pressed_lines(results)]) == 1
+    assert models["stiff"].title == "1D foundation, matched modulus"
+    assert models["points"].title == "1D foundation, area in points"
+    assert model_names(results, ["main"], "area")["own"] == (
+        r"1D foundation, own modulus, $k_w = 8.9\,E\!^*$, $n = 2$"
+    )
+    assert models["stiff"].attributes["modulus"] == "matched"
+    assert "modulus" not in models["foundation"].attributes
+    for name in ("separation", "stiffness", "energy"):
+        np.testing.assert_array_equal(models["points"][name], models["foundation"][name])
+    first = load_spec({**tree, "models": tree["models"][3:]})  # type: ignore[index]
+    named = {"kind": "foundation", "springs": 64, "modulus": "published", "area": "regions"}
+    assert load_spec({**tree, "models": [named]}).sha256 == first.sha256
+
+
+@pytest.mark.parametrize(
+    ("modulus", "message"),
+    [
+        ("popov", "must be published, matched, or k_w/E[*], 1/length, got 'popov'"),
+        (0.0, "models.0..modulus: must be greater than 0, got 0.0"),
+        (True, "must be a number, got true"),
+        ("3 /um", "has a unit"),
+    ],
+)
+def test_a_wrong_modulus_is_refused(modulus: object, message: str) -> None:
+    tree = {
+        "surface": {"H": 0.7, "q0": 1.0, "q1": 32.0, "slope": 0.1},
+        "pressures": [1e-5],
+        "models": [{"kind": "foundation", "modulus": modulus}],
+    }
+    with pytest.raises(SpecError, match=message):
+        load_spec(tree)
+
+
+def test_a_modulus_may_have_a_unit() -> None:
+    tree = {
+        "surface": {"H": 0.7, "q0": "1 /um", "q1": "8 /um", "slope": 0.1},
+        "modulus": {"E*": "1 GPa"},
+        "pressures": ["1 MPa"],
+        "models": [{"kind": "foundation", "springs": 64, "modulus": "3 /um"}],
+    }
+    assert load_spec(tree).models[0].modulus == pytest.approx(3e6)  # type: ignore[attr-defined]
+    tree["models"] = [{"kind": "foundation", "springs": 64, "modulus": "matched"}]
+    assert load_spec(tree).models[0].modulus == "matched"  # type: ignore[attr-defined]
 
 
 # Derivatives and work -------------------------------------------------------------------
@@ -521,14 +647,17 @@ def test_the_springs_must_carry_the_spectrum_unless_told_otherwise() -> None:
     assert Foundation(undersampled="truncate", springs=100).grid_points(spectrum, length) == 100
 
 
-@pytest.mark.parametrize("options", [{"springs": 1}, {"ends": "free"}, {"spring": 3}])
+@pytest.mark.parametrize(
+    "options",
+    [{"springs": 1}, {"ends": "free"}, {"spring": 3}, {"area": "squares"}],
+)
 def test_wrong_options_are_refused(options: dict[str, object]) -> None:
     with pytest.raises(ValidationError):
         Foundation.model_validate(options)
 
 
 def test_every_option_is_described() -> None:
-    for name in ("springs", "ends", "undersampled"):
+    for name in ("springs", "ends", "undersampled", "modulus", "area"):
         assert Foundation.model_fields[name].description
 
 

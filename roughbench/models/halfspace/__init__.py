@@ -12,7 +12,7 @@ are those that it shares with :mod:`roughbench.models.line`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar, Literal, Self
 
 from numpy.typing import NDArray
@@ -37,13 +37,13 @@ class HalfSpace(Model):
     """Exact boundary-element solution on a periodic grid."""
 
     needs: ClassVar[Needs] = "surface"
-    title: ClassVar[str] = "Exact (BEM)"
     style: ClassVar[Style] = Style("#000000", markers="soD^v", order=4)
     page: ClassVar[str] = "docs/models/bem.md"
     is_reference: ClassVar[bool] = True
     sampling: ClassVar[tuple[str, ...]] = ("grid",)
     fewest_points_per_wave: ClassVar[float] = 4.0
     has_fields: ClassVar[bool] = True
+    modifying: ClassVar[tuple[str, ...]] = ("screening",)
     later: ClassVar[tuple[str, ...]] = ("correction", "hardness", "screening", "boundary")
 
     kind: Literal["bem"] = "bem"
@@ -69,6 +69,23 @@ class HalfSpace(Model):
         if self.hardness is not None and (self.screening > 0.0 or self.boundary == "free"):
             raise ValueError("hardness needs boundary: periodic, and no screening")
         return self
+
+    @property
+    def title(self) -> str:
+        """Name in legends and tables: with screening it is no exact half-space."""
+        return "Screened half-space (BEM)" if self.screening > 0.0 else "Exact (BEM)"
+
+    @classmethod
+    def legend(cls, attributes: Mapping[str, Any], quantity: str) -> Sequence[str]:
+        """Return the screening wavevector, in units of q0 where that is known."""
+        del quantity
+        q_c = float(attributes.get("screening", 0.0))
+        if not q_c > 0.0:
+            return []
+        if "q_min" in attributes:
+            return [rf"$q_c/q_0 = {q_c / float(attributes['q_min']):.3g}$"]
+        unit = " 1/m" if "contact_modulus" in attributes else ""
+        return [rf"$q_c = {q_c:.3g}${unit}"]
 
     @property
     def highest_pressure(self) -> float | None:

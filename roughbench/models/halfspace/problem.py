@@ -131,6 +131,7 @@ class Problem:
         self.modulus = modulus
         self.hardness = hardness
         self.correction: Correction = correction
+        self.screening = q_c
         self.options = Options(
             double=precision == "double",
             threads=threads or len(os.sched_getaffinity(0)),
@@ -247,7 +248,9 @@ class Problem:
                 pressure[plastic] = self.hardness  # float32 may hold a little less
                 np.minimum(pressure, self.hardness, out=pressure)
             gap *= self.solver.rms
-        return Fields(pressure.reshape(self.shape), gap.reshape(self.shape))
+        return Fields(
+            pressure.reshape(self.shape), gap.reshape(self.shape), screening=self.screening
+        )
 
 
 def spacings(length: Length, shape: tuple[int, ...]) -> tuple[float, float]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,12 +11,17 @@ import pytest
 
 import roughbench as rb
 from roughbench.errors import SolverError
+from roughbench.figures.labels import model_names
+from roughbench.fits import reference_of
 from roughbench.models.halfspace.contact import solve_contact, solve_curve
 from roughbench.models.halfspace.kernel import Kernel
 from roughbench.models.halfspace.operator import HalfSpaceOperator
 from roughbench.models.halfspace.threads import ThreadTeam
 from roughbench.models.winkler import winkler_curve
+from roughbench.observables import Field, energy_spectrum
+from roughbench.results import Results
 from roughbench.spec import load_spec
+from roughbench.verdict import judge
 
 if TYPE_CHECKING:
     from tests.models.halfspace.conftest import Reference, Rough
@@ -152,6 +158,62 @@ def test_a_spec_climbs_the_ladder() -> None:
     assert results["bem"].attributes["screening"] == 1e5
     for name in QUANTITIES:
         np.testing.assert_allclose(results["bem"][name], results["winkler"][name], rtol=1e-5)
+
+
+@pytest.fixture(scope="module")
+def ladder() -> Results:
+    """Three rungs and the springs at its end; the half-space is listed last."""
+    tree = spec() | {
+        "pressures": [1e-4, 1e-3, 1e-2, 0.1, 1.0],
+        "realizations": 3,
+        "observables": ["energy"],
+    }
+    rungs = {"q1": 1.0, "q4": 4.0, "q1e5": 1e5}
+    tree["models"] = [
+        *({"kind": "bem", "label": label, "screening": q} for label, q in rungs.items()),
+        {"kind": "winkler", "modulus": 0.5e5},
+        {"kind": "bem"},
+    ]
+    return rb.run(tree)
+
+
+def test_a_screened_half_space_is_not_the_exact_solution(ladder: Results) -> None:
+    models = ladder["main"]
+    assert reference_of(dict(models)) == "bem"
+    assert reference_of({"q1": models["q1"]}) is None
+    verdicts = {one.key: one for one in judge([("ladder", ladder)], resamples=20)}
+    names = {one.where for one in verdicts["area-linear"].measurements}
+    assert names == {"main/bem"}
+    assert verdicts["coupling-area"].measurements == ()  # winkler with a modulus of its own
+    assert verdicts["contender-bem-q4"].claim == (
+        "Screened half-space (BEM) follows the exact solution."
+    )
+    alone = Results({"main": {"q1": models["q1"]}}, "no spec", "")
+    found = {one.key: one for one in judge([("one", alone)], resamples=20)}
+    assert found["area-linear"].measurements == ()
+
+
+def test_legends_tell_the_rungs_apart(ladder: Results) -> None:
+    names = model_names(ladder, ["main"], "area")
+    assert names["bem"] == "Exact (BEM), $n = 3$"
+    assert names["q4"] == "Screened half-space (BEM), q4, $q_c/q_0 = 4$, $n = 3$"
+
+
+def test_the_energy_of_the_waves_is_that_of_the_screened_kernel(ladder: Results) -> None:
+    for label in ("bem", "q1", "q4", "q1e5", "winkler"):
+        one = ladder["main"][label]
+        np.testing.assert_allclose(one["energy_spectrum_total"], one["energy"], rtol=1e-5)
+    # Without the screening the springs would hold far too much.
+    stiff = ladder["main"]["q1e5"]
+    single = Field(np.array([0.0, 1.0]), np.zeros(2), 2 * math.pi, 1.0, 1.0)
+    plain, screened = (
+        energy_spectrum(replace(single, screening=q)) for q in (0.0, math.sqrt(3.0))
+    )
+    assert plain.scalars["total"] == pytest.approx(0.25)
+    assert screened.scalars["total"] == pytest.approx(0.125)
+    assert stiff.attributes["screening"] == 1e5
+    with pytest.raises(SolverError, match="screening must be at least 0"):
+        replace(single, screening=-1.0)
 
 
 def test_a_spec_with_units_takes_a_wavevector() -> None:
