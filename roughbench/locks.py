@@ -13,6 +13,8 @@ from pathlib import Path
 
 import filelock
 
+from roughbench.system import open_for_lock, touch
+
 _PAUSE = 0.05
 
 
@@ -26,7 +28,7 @@ def open_lock(path: Path) -> int:
     OSError
         If the system refuses.
     """
-    return os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o666)
+    return open_for_lock(path)
 
 
 def try_lock(descriptor: int) -> bool | None:
@@ -46,7 +48,7 @@ def try_lock(descriptor: int) -> bool | None:
 def show_life(descriptor: int) -> None:
     """Tell those who wait for a lock that work is going on: a new time stamp of its file."""
     with contextlib.suppress(OSError):
-        os.utime(descriptor)
+        touch(descriptor)
 
 
 def wait_for_lock(

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-import resource
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from roughbench.errors import RoughbenchError, SolverError
+from roughbench.system import entry, free_memory, memory_limits
 
 _PROC = Path("/proc")
 _CGROUP = Path("/sys/fs/cgroup")
@@ -85,7 +85,7 @@ def check(
 
 
 def _machine() -> Iterator[AvailableMemory]:
-    size = _entry(_PROC / "meminfo", "MemAvailable:")
+    size = free_memory()
     if size is not None:
         yield AvailableMemory(size)
 
@@ -93,7 +93,7 @@ def _machine() -> Iterator[AvailableMemory]:
 def _control_groups() -> Iterator[AvailableMemory]:
     """Yield the room in the control group of this process and in those around it."""
     try:
-        lines = (_PROC / "self/cgroup").read_text().splitlines()
+        lines = (_PROC / "self/cgroup").read_text(encoding="utf-8").splitlines()
     except OSError:
         return
     for line in lines:
@@ -118,7 +118,7 @@ def _control_groups() -> Iterator[AvailableMemory]:
                 limit = int((folder / names[0]).read_text())
                 used = int((folder / names[1]).read_text())
                 # Pages of files that were read count as used, and are given up at need.
-                used -= _entry(folder / "memory.stat", names[2]) or 0
+                used -= entry(folder / "memory.stat", names[2]) or 0
                 yield AvailableMemory(
                     limit - max(0, used),
                     "the memory limit of the control group: ask for more where the job or "
@@ -128,23 +128,5 @@ def _control_groups() -> Iterator[AvailableMemory]:
 
 def _process() -> Iterator[AvailableMemory]:
     """Yield what the limits of this process leave it."""
-    for kind, used, option in (
-        (resource.RLIMIT_AS, "VmSize:", "-v"),
-        (resource.RLIMIT_DATA, "VmData:", "-d"),
-    ):
-        limit, _ = resource.getrlimit(kind)
-        if limit != resource.RLIM_INFINITY:
-            taken = _entry(_PROC / "self/status", used) or 0
-            yield AvailableMemory(limit - taken, f"the limit set by ulimit {option}: raise it")
-
-
-def _entry(path: Path, name: str) -> int | None:
-    """Bytes in a line such as ``MemAvailable:   1000 kB``; None where there is none."""
-    try:
-        for line in path.read_text().splitlines():
-            words = line.split()
-            if words[:1] == [name]:
-                return int(words[1]) * (1024 if words[2:] == ["kB"] else 1)
-    except (OSError, ValueError, IndexError):
-        pass
-    return None
+    for left, option in memory_limits():
+        yield AvailableMemory(left, f"the limit set by ulimit {option}: raise it")

@@ -16,6 +16,7 @@ from pathlib import Path
 
 from roughbench.errors import StoreError, explained
 from roughbench.publish import commit, temporary_of
+from roughbench.system import is_read_only
 from roughbench.text import on_one_line, unsafe_character
 
 ENDS = 1 << 16
@@ -138,7 +139,7 @@ def _check_folder(given: Path, target: Path) -> None:
         raise _refusal(given, f"{folder} is no folder; choose another place")
     if folder != target.parent and given.is_symlink():
         raise _refusal(given, f"it leads to {target}, and that folder is not there; make it")
-    if os.statvfs(folder).f_flag & os.ST_RDONLY:
+    if is_read_only(folder):
         raise OSError(errno.EROFS, os.strerror(errno.EROFS))
     if not os.access(folder, os.W_OK | os.X_OK):
         raise _refusal(given, f"no permission to write in {folder}; choose another place")

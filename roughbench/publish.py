@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import IO
 
 from roughbench.errors import StoreError, explained
+from roughbench.system import set_permissions, sync_folder
 
 _LONGEST_STEM = 200
 """Bytes; file systems allow 255, and a temporary name has a process and a number too."""
@@ -60,7 +61,7 @@ def written(write: Callable[[IO[bytes]], object], path: Path) -> Iterator[Path]:
 def put(temporary: Path, path: Path) -> None:
     """Give a written file its name, in one step that survives a power cut."""
     temporary.replace(path)
-    _sync_folder(path.parent)
+    sync_folder(path.parent)
 
 
 def temporary_of(path: Path) -> Path:
@@ -77,7 +78,7 @@ def _keep_mode(path: Path, descriptor: int) -> None:
     with contextlib.suppress(OSError):
         before = path.lstat().st_mode
         if stat.S_ISREG(before):
-            os.fchmod(descriptor, before & 0o777)
+            set_permissions(descriptor, before & 0o777)
 
 
 def make_folder(folder: Path) -> None:
@@ -131,11 +132,3 @@ def remove_leftovers(path: Path) -> None:
     with contextlib.suppress(OSError):
         for leftover in path.parent.glob(f".{glob.escape(_stem(path))}.[0-9]*.[0-9]*.tmp"):
             leftover.unlink()
-
-
-def _sync_folder(folder: Path) -> None:
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

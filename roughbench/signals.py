@@ -7,8 +7,7 @@ import signal
 import threading
 from collections.abc import Iterator
 
-SIGNALS = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
-"""Those that end a run."""
+from roughbench.system import ALARM, ENDING_SIGNALS, blocked
 
 
 @contextlib.contextmanager
@@ -21,14 +20,13 @@ def signals_held_back() -> Iterator[None]:
     came: list[int] = []
     handlers = {}
     if threading.current_thread() is threading.main_thread():
-        for number in (*SIGNALS, signal.SIGALRM):  # an answer may be put off by an alarm
+        for number in ENDING_SIGNALS | {ALARM}:  # an answer may be put off by an alarm
             if callable(signal.getsignal(number)):
                 handlers[number] = signal.signal(number, lambda number, _: came.append(number))
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
     try:
-        yield
+        with blocked(ENDING_SIGNALS):
+            yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
         for number, handler in handlers.items():
             signal.signal(number, handler)
         for late in dict.fromkeys(came):

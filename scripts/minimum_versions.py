@@ -15,17 +15,17 @@ PROJECT = Path(__file__).resolve().parents[1] / "pyproject.toml"
 
 
 def minimum(requirement: str) -> str:
-    """Return ``name==version`` of ``name>=version`` or ``name~=version``.
+    """Return ``name==version`` of ``name>=version`` or ``name~=version``, with its marker.
 
     Raises
     ------
     ValueError
         If the requirement names no oldest version.
     """
-    found = re.fullmatch(r"([\w.-]+)(?:\[[\w,-]+\])?\s*[>~]=\s*([\w.]+)", requirement)
+    found = re.fullmatch(r"([\w.-]+)(?:\[[\w,-]+\])?\s*[>~]=\s*([\w.]+)\s*(;.*)?", requirement)
     if found is None:
         raise ValueError(f"{requirement!r} names no oldest version")
-    return f"{found[1]}=={found[2]}"
+    return f"{found[1]}=={found[2]}{found[3] or ''}"
 
 
 def main(extras: list[str]) -> None:

@@ -14,6 +14,7 @@ import roughbench
 from roughbench.models import BUILT_IN
 
 LAYERS = (
+    "system",
     "text",
     "program",
     "errors",
@@ -76,6 +77,7 @@ OWNERS = {
     "matplotlib": {"figures"},
     "numba": {"models"},
     "pint": {"units"},
+    "psutil": {"system"},
     "pydantic": {"models", "spec"},
     "pydantic_core": {"models", "spec"},
     "pyfftw": {"transform"},

@@ -16,6 +16,7 @@ import pytest
 
 import roughbench as rb
 from roughbench import memory
+from roughbench import system as operating_system
 from roughbench.heights_file import load_heights
 from roughbench.memory import AvailableMemory, available_memory
 from roughbench.models.foundation import foundation_curve
@@ -47,6 +48,7 @@ class System:
 @pytest.fixture
 def system(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> System:
     monkeypatch.setattr(memory, "_PROC", tmp_path / "proc")
+    monkeypatch.setattr(operating_system, "_PROC", tmp_path / "proc")
     monkeypatch.setattr(memory, "_CGROUP", tmp_path / "cgroup")
     monkeypatch.setattr(resource, "getrlimit", lambda _: (resource.RLIM_INFINITY,) * 2)
     return System(tmp_path)

@@ -29,6 +29,7 @@ from roughbench.errors import (
 )
 from roughbench.program import command as command_line
 from roughbench.program import program
+from roughbench.system import write_any_text
 from roughbench.text import on_one_line, printable, suggestion
 
 COMMANDS = (
@@ -111,6 +112,7 @@ class LazyGroup(click.Group):
 
     def main(self, args: Sequence[str] | None = None, *rest: Any, **options: Any) -> Any:
         """Remember the command line, to say how a run is resumed."""
+        write_any_text(sys.stdout, sys.stderr)
         given = list(sys.argv[1:] if args is None else args)
         options["obj"] = command_line(*given)
         options.setdefault("prog_name", program())

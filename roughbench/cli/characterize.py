@@ -99,9 +99,10 @@ def command(
     from roughbench.outputs import Kind, check_output, write_output
     from roughbench.scans.characterization import characterize
     from roughbench.scans.spec_text import MARK, spec_text
+    from roughbench.system import split_dataset
 
     spec = Kind("spec", lambda head, _: head.startswith(MARK.encode()))
-    inputs = [file.rpartition(":/")[0] or file]
+    inputs = [split_dataset(file)[0] or file]
     if output is not None:
         check_output(output, spec, inputs)
     if picture is not None:

@@ -15,7 +15,8 @@ import time
 from collections.abc import Iterator
 from types import FrameType
 
-_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGALRM)
+from roughbench.system import ALARM, ENDING_SIGNALS, HANG_UP, set_alarm
+
 _PAUSE = 0.02
 """Seconds until the next try."""
 _ANSWER = 3.0
@@ -38,7 +39,7 @@ class HungUp(Terminated):
     name = "SIGHUP"
 
 
-_ERRORS: dict[int, type[Interrupted]] = {signal.SIGTERM: Terminated, signal.SIGHUP: HungUp}
+_ERRORS: dict[int | None, type[Interrupted]] = {signal.SIGTERM: Terminated, HANG_UP: HungUp}
 
 
 @contextlib.contextmanager
@@ -61,20 +62,20 @@ def interrupts_get_through() -> Iterator[None]:
         if time.monotonic() - raised < _ANSWER:
             return
         if _loses_exceptions(frame):
-            signal.setitimer(signal.ITIMER_REAL, _PAUSE)
+            set_alarm(_PAUSE)
         else:
             raised = time.monotonic()
             raise pending
 
     before = {
         number: signal.signal(number, handle)
-        for number in _SIGNALS
-        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN
+        for number in ENDING_SIGNALS | {ALARM}
+        if number != HANG_UP or signal.getsignal(number) != signal.SIG_IGN
     }
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        set_alarm(0.0)
         for number, handler in before.items():
             signal.signal(number, handler)
 

@@ -14,7 +14,7 @@ import signal
 import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
-from multiprocessing import current_process, get_context, resource_tracker
+from multiprocessing import current_process, get_context
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Any
@@ -23,7 +23,8 @@ from roughbench.engines.base import carry_out
 from roughbench.errors import RoughbenchError
 from roughbench.planning.tasks import Task
 from roughbench.rundir.checkpoint import Checkpoint
-from roughbench.signals import SIGNALS, signals_held_back
+from roughbench.signals import signals_held_back
+from roughbench.system import ENDING_SIGNALS, start_resource_tracker
 
 ATTEMPTS = 3
 """How often a task is given to a worker before its death is taken for the task's fault."""
@@ -62,7 +63,7 @@ class WorkerPool:
     def __init__(self) -> None:
         self.workers: list[Worker] = []
         self._context = get_context("spawn")
-        resource_tracker.ensure_running()  # it would let signals through while workers start
+        start_resource_tracker()  # it would let signals through while workers start
         self._watched, self._alive = self._context.Pipe(duplex=False)
         self._one_was_ready = False
 
@@ -149,7 +150,7 @@ _at_work = False
 def _work(pipe: Connection, watched: Connection) -> None:
     global _at_work
     _at_work = True
-    for number in SIGNALS:
+    for number in ENDING_SIGNALS:
         signal.signal(number, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, args=(watched,), daemon=True).start()
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     pass
 from roughbench.heights_file.hdf5 import load_hdf5
 from roughbench.heights_file.npy import read_npy
+from roughbench.system import split_dataset
 
 FloatArray = NDArray[np.float64]
 
@@ -50,9 +51,9 @@ def load_heights(path: str | Path, folder: str | Path = ".") -> FloatArray:
     [0.0, 1.0, 0.0, -1.0]
     """
     name = str(path)
-    file_name, colon, dataset = name.rpartition(":/")
-    if colon:
-        heights = load_hdf5(Path(folder) / file_name, "/" + dataset, name)
+    file_name, dataset = split_dataset(name)
+    if dataset:
+        heights = load_hdf5(Path(folder) / file_name, dataset, name)
     elif name.endswith(".npy"):
         heights = read_npy(Path(folder) / name, name)
     else:

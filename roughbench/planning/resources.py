@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -11,6 +10,7 @@ from roughbench.errors import RoughbenchError
 from roughbench.memory import available_memory, gigabytes
 from roughbench.planning.cells import NOTHING, Cell
 from roughbench.planning.tasks import Task
+from roughbench.system import available_cores
 
 GRID_FOR_ALL_CORES = 1536
 """Points per side from which one task with all cores beats several with one each."""
@@ -209,10 +209,3 @@ def _remedies(task: Task, limits: ResourceLimits) -> Iterator[str]:
     if memory_of(bare) < memory_of(task) and memory_of(bare) <= limits.memory:
         yield "ask for no observables and fields"
     yield "take a smaller grid or a larger machine"
-
-
-def available_cores() -> int:
-    """Return the number of cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1

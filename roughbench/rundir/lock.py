@@ -15,7 +15,10 @@ from roughbench.locks import open_lock, try_lock
 from roughbench.rundir.journal import log
 from roughbench.rundir.mark import mark
 from roughbench.rundir.usage import now
+from roughbench.system import readable_text
 
+LOCK = "lock"
+"""Name of the file in a run directory."""
 _TRIES, _PAUSE, _GLANCE = 6, 0.1, 0.01
 
 
@@ -53,7 +56,7 @@ class FolderLock:
     def _opened(self) -> IO[str]:
         self._folder.mkdir(exist_ok=True)
         mark(self._folder)
-        path = self._folder / "lock"
+        path = self._folder / LOCK
         for attempt in range(_TRIES):
             time.sleep(_PAUSE * (attempt > 0))
             file = os.fdopen(open_lock(path), "r+", encoding="utf-8")
@@ -83,7 +86,7 @@ class FolderLock:
             "command": command,
         }
         file.truncate(0)
-        file.write(json.dumps(holder))
+        file.write("\n" + json.dumps(holder))  # a lock of Windows covers the first byte
         file.flush()
 
     def _message(self) -> str:
@@ -101,11 +104,12 @@ class FolderLock:
 
     def holder(self) -> dict[str, Any]:
         """Return what the run in the folder says of itself; empty for none."""
-        with contextlib.suppress(OSError, ValueError), (self._folder / "lock").open() as file:
+        place = self._folder / LOCK
+        with contextlib.suppress(OSError, ValueError), place.open("rb") as file:
             for attempt in range(_TRIES):  # who only looks, as here, has it for a moment
                 time.sleep(_GLANCE * (attempt > 0))
                 if try_lock(file.fileno()) is not False:
                     return {}
-            found = json.loads(file.read() or "{}")
+            found = json.loads(readable_text(file).strip() or "{}")
             return found if isinstance(found, dict) and found else {"process": "?"}
         return {}

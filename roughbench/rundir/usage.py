@@ -6,16 +6,14 @@ import contextlib
 import functools
 import os
 import platform
-import resource
 import time
 from dataclasses import asdict, dataclass
 from importlib import metadata
-from pathlib import Path
 from typing import Any
 
+from roughbench.system import peak_memory, processor, restart_peak_memory
+
 _PACKAGES = ("roughbench", "numpy", "scipy", "numba", "pyfftw", "h5py")
-_CLEAR_PEAK = Path("/proc/self/clear_refs")
-_STATUS = Path("/proc/self/status")
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +25,8 @@ class Usage:
     seconds, cpu_seconds : float
         By the clock, and of all cores.
     peak_memory : int
-        Most bytes of memory that its process held meanwhile, libraries included.
+        Most bytes of memory that its process held meanwhile, libraries included; on other
+        systems than Linux, since the process began.
     started : str
         Time at the start, ISO 8601 with time zone.
     machine : dict of str to str
@@ -49,8 +48,7 @@ class Meter:
     """Measures from where it is made to :meth:`read`."""
 
     def __init__(self) -> None:
-        with contextlib.suppress(OSError):
-            _CLEAR_PEAK.write_text("5")  # the peak restarts from what is held now
+        restart_peak_memory()
         self.started = now()
         self._clock = time.monotonic(), time.process_time()
 
@@ -59,7 +57,7 @@ class Meter:
         return Usage(
             seconds=time.monotonic() - self._clock[0],
             cpu_seconds=time.process_time() - self._clock[1],
-            peak_memory=_peak_memory(),
+            peak_memory=peak_memory(),
             started=self.started,
             machine=machine(),
         )
@@ -79,23 +77,7 @@ def machine() -> dict[str, str]:
             versions[package] = metadata.version(package)
     return {
         "host": platform.node(),
-        "cpu": _cpu(),
+        "cpu": processor(),
         "cores": str(os.cpu_count()),
         "system": platform.platform(),
     } | versions
-
-
-def _cpu() -> str:
-    with contextlib.suppress(OSError):
-        for line in Path("/proc/cpuinfo").read_text().splitlines():
-            if line.startswith("model name"):
-                return line.partition(":")[2].strip()
-    return platform.processor() or platform.machine()
-
-
-def _peak_memory() -> int:
-    with contextlib.suppress(OSError):
-        for line in _STATUS.read_text().splitlines():
-            if line.startswith("VmHWM:"):
-                return int(line.split()[1]) * 1024
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from roughbench.engines.cluster import Cluster
 from roughbench.planning.plan import check, plan, warnings
-from roughbench.planning.resources import available_cores
 from roughbench.planning.samples import make_sample
 from roughbench.rundir.folder import folder_of
 from roughbench.runner.cleaning import clean
@@ -20,6 +19,7 @@ from roughbench.runner.overview import PlanRow
 from roughbench.runner.progress import Progress, ProgressListener
 from roughbench.runner.provenance import Account, accounts
 from roughbench.runner.verification import verify
+from roughbench.system import available_cores
 
 __all__ = [
     "Account",

@@ -9,6 +9,7 @@ import re
 from pathlib import Path
 
 from roughbench.scans.characterization import Characterization
+from roughbench.system import split_dataset
 from roughbench.units import in_words
 
 MARK = "# Written by roughbench characterize"
@@ -43,11 +44,11 @@ def spec_text(
         As they were given to read the file.
     """
     source = found.scan.source
-    name, colon, dataset = source.rpartition(":/")
-    path = Path(os.path.relpath(name if colon else source, folder)).as_posix()
+    file, dataset = split_dataset(source)
+    path = Path(os.path.relpath(file, folder)).as_posix()
     stem = re.sub(r"[^A-Za-z0-9_.+-]", "_", Path(path).stem).strip("_.") or "scan"
     said = found.preparation
-    surface = ["kind: scan", f"path: {_scalar(path + (f':/{dataset}' if colon else ''))}"]
+    surface = ["kind: scan", f"path: {_scalar(path + f':{dataset}' * bool(dataset))}"]
     if channel:
         surface.append(f"channel: {_scalar(channel)}")
     if size:

@@ -13,6 +13,7 @@ from roughbench.heights_file import check_there
 from roughbench.scans import arrays, datasets, instruments, tables
 from roughbench.scans.image import Image
 from roughbench.scans.scale import settled_size, settled_unit
+from roughbench.system import split_dataset
 from roughbench.text import on_one_line
 
 FloatArray = NDArray[np.float64]
@@ -149,14 +150,14 @@ def read_scan(
 
 def _read(path: str, folder: Path, name: str, channel: str | None) -> Image:
     """Hand the file to the reader of its kind."""
-    file_name, colon, dataset = path.rpartition(":/")
-    if colon:
+    file_name, dataset = split_dataset(path)
+    if dataset:
         if channel is not None:
             raise SurfaceError(
-                f"{name}: the dataset is named twice, by :/{on_one_line(dataset)} and by "
+                f"{name}: the dataset is named twice, by :{on_one_line(dataset)} and by "
                 f"channel: {on_one_line(channel)}; leave one of them out"
             )
-        return datasets.read_hdf5(folder / file_name, "/" + dataset, name)
+        return datasets.read_hdf5(folder / file_name, dataset, name)
     place = folder / path
     check_there(place, name)
     suffix = place.suffix.lower()

@@ -12,6 +12,7 @@ from roughbench.errors import UnitError
 from roughbench.models.dimensional import LengthOption
 from roughbench.scans import CHECKS
 from roughbench.spec.strict import STRICT
+from roughbench.system import split_dataset
 from roughbench.units import to_si
 
 if TYPE_CHECKING:
@@ -71,8 +72,7 @@ class MeasuredSurface(BaseModel):
     @property
     def file(self) -> Path:
         """The file that holds the heights."""
-        name, colon, _ = self.path.rpartition(":/")
-        return self._folder / (name if colon else self.path)
+        return self._folder / split_dataset(self.path)[0]
 
     @property
     def is_twins(self) -> bool:
@@ -111,7 +111,7 @@ class FileSurface(MeasuredSurface):
     def _known_format(cls, value: str) -> str:
         if value.endswith(_HDF5_ENDS):
             raise ValueError(f"must name the dataset too, as in {value}:/heights")
-        if not value.endswith(".npy") and not value.rpartition(":/")[0]:
+        if not value.endswith(".npy") and not all(split_dataset(value)):
             raise ValueError(f"must name heights.npy or heights.h5:/dataset, got {value!r}")
         return value
 

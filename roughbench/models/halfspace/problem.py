@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from typing import TypedDict
 
 import numpy as np
@@ -23,6 +22,7 @@ from roughbench.models.halfspace import memory
 from roughbench.models.halfspace.kernel import Kernel
 from roughbench.models.halfspace.options import Boundary, Correction, Precision
 from roughbench.models.halfspace.solver import FLOAT32_FLOOR, Solution, Solver
+from roughbench.system import available_cores
 
 SMALLEST_LOAD = 1e-20
 """In E* h_rms/Δ. A single point of a grid carries its share of less; float32 does not."""
@@ -134,7 +134,7 @@ class Problem:
         self.screening = q_c
         self.options = Options(
             double=precision == "double",
-            threads=threads or len(os.sched_getaffinity(0)),
+            threads=threads or available_cores(),
             max_iterations=max_iterations,
             kernel=Kernel(aspect=aspect, screening=q_c * self.spacing, free=free),
             # A flat punch goes in by less than its side.
