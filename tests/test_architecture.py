@@ -27,6 +27,7 @@ LAYERS = (
     "locks",
     "memory",
     "inputs",
+    "labelled",
     "publish",
     "outputs",
     "seal",
@@ -75,6 +76,7 @@ OWNERS = {
     "jinja2": {"report"},
     "matplotlib": {"figures"},
     "numba": {"models"},
+    "pandas": {"labelled"},
     "pint": {"units"},
     "pydantic": {"models", "spec"},
     "pydantic_core": {"models", "spec"},
@@ -82,6 +84,7 @@ OWNERS = {
     "scipy": {"fits", "models", "observables", "scans"},
     "threadpoolctl": {"engines"},
     "tqdm": {"cli", "runner"},
+    "xarray": {"labelled"},
     "yaml": {"spec"},
 }
 """Third-party package → the layers that may import it. NumPy is everybody's."""
