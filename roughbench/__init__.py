@@ -44,7 +44,19 @@ xarray, and for the commands ``roughbench show``, ``plot`` and ``export``:
 >>> list(rb.load(path)["main"])
 ['foundation', 'persson']
 
-:func:`solve_contact` and :func:`solve_curve` solve given heights exactly, without a spec.
+An array of xarray or a table of pandas come of it too; a sweep is a dimension then:
+
+>>> results.to_xarray("foundation").area.dims
+('realization', 'pressure')
+
+:func:`solve_contact` and :func:`solve_curve` solve given heights exactly, without a spec; a
+file has them (:func:`read_scan`), or a spectrum:
+
+>>> spectrum = rb.self_affine(hurst=0.8, q_min=1, q_rolloff=2, q_max=8, rms_slope=0.1)
+>>> heights = rb.make_surface(spectrum, 32, length=6.283185, generator=2013)
+>>> rb.solve_contact(heights, 0.01, length=6.283185).to_xarray().gap.dims
+('y', 'x')
+
 Everything that this package raises on purpose is a :class:`RoughbenchError`.
 """
 
@@ -72,8 +84,11 @@ if TYPE_CHECKING:
     from roughbench.results import ModelResult, Results
     from roughbench.runner import Progress, run
     from roughbench.scans.characterization import characterize
+    from roughbench.scans.topography import Scan, read_scan
     from roughbench.spec import Spec, load_spec
+    from roughbench.spectrum import Spectrum, measured_spectrum, self_affine
     from roughbench.store import load
+    from roughbench.surface import make_profile, make_surface, realization_generator
 
     __version__: str
 
@@ -87,9 +102,11 @@ __all__ = [
     "Results",
     "RoughbenchError",
     "Sample",
+    "Scan",
     "SolverError",
     "Spec",
     "SpecError",
+    "Spectrum",
     "State",
     "Status",
     "StoreError",
@@ -100,7 +117,13 @@ __all__ = [
     "characterize",
     "load",
     "load_spec",
+    "make_profile",
+    "make_surface",
+    "measured_spectrum",
+    "read_scan",
+    "realization_generator",
     "run",
+    "self_affine",
     "solve_contact",
     "solve_curve",
 ]

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roughbench.errors import SurfaceError
+from roughbench.inputs import whole_number
 from roughbench.spectrum import Spectrum, mode_power
 from roughbench.spectrum import wavenumbers as wavenumbers  # others import it from here
 
@@ -68,7 +69,7 @@ def make_surface(
     spectrum: Spectrum,
     n_points: int,
     length: float,
-    generator: np.random.Generator,
+    generator: np.random.Generator | int,
     amplitude: Amplitude = "fixed",
 ) -> FloatArray:
     r"""Return a periodic random surface h(x) = Σ h_q e^{iq·x}, ⟨|h_q|²⟩ = (2π/L)² C2D(q).
@@ -82,8 +83,8 @@ def make_surface(
         Points per side N; at least two for the shortest wavelength.
     length : float
         Side L of the cell, length.
-    generator : numpy.random.Generator
-        See :func:`realization_generator`.
+    generator : numpy.random.Generator or int
+        See :func:`realization_generator`; a whole number is the seed of realization 0.
     amplitude : {"fixed", "gaussian"}
         Random phases with the exact amplitude, or complex normal amplitudes.
 
@@ -131,7 +132,7 @@ def make_profile(
     spectrum: Spectrum,
     n_points: int,
     length: float,
-    generator: np.random.Generator,
+    generator: np.random.Generator | int,
     amplitude: Amplitude = "fixed",
     undersampled: Undersampled = "error",
 ) -> FloatArray:
@@ -146,7 +147,8 @@ def make_profile(
         Points N on the line.
     length : float
         Period L, length.
-    generator : numpy.random.Generator
+    generator : numpy.random.Generator or int
+        As for :func:`make_surface`.
     amplitude : {"fixed", "gaussian"}
     undersampled : {"error", "truncate", "alias"}
         What to do with modes above N/2: refuse, leave them out, or sample them as they
@@ -233,9 +235,12 @@ def _place_in_stream(nx: int, ny: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def _unit_modes(
-    generator: np.random.Generator, count: int, amplitude: Amplitude
+    generator: np.random.Generator | int, count: int, amplitude: Amplitude
 ) -> NDArray[np.complex128]:
     """Random complex numbers with ⟨|z|²⟩ = 1, in the order of the stream."""
+    if not isinstance(generator, np.random.Generator):
+        seed = whole_number(generator, "the seed of a surface", 0, SurfaceError)
+        generator = realization_generator(seed, 0)
     if amplitude == "fixed":
         return np.exp(2j * np.pi * generator.random(count))
     normal = generator.standard_normal((count, 2))

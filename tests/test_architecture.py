@@ -28,6 +28,7 @@ LAYERS = (
     "locks",
     "memory",
     "inputs",
+    "labelled",
     "publish",
     "outputs",
     "seal",
@@ -76,6 +77,7 @@ OWNERS = {
     "jinja2": {"report"},
     "matplotlib": {"figures"},
     "numba": {"models"},
+    "pandas": {"labelled"},
     "pint": {"units"},
     "psutil": {"system"},
     "pydantic": {"models", "spec"},
@@ -84,6 +86,7 @@ OWNERS = {
     "scipy": {"fits", "models", "observables", "scans"},
     "threadpoolctl": {"engines"},
     "tqdm": {"cli", "runner"},
+    "xarray": {"labelled"},
     "yaml": {"spec"},
 }
 """Third-party package → the layers that may import it. NumPy is everybody's."""

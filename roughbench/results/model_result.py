@@ -5,15 +5,19 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from roughbench.ensemble import STATISTICS
 from roughbench.errors import UnknownNameError
-from roughbench.results import display
+from roughbench.results import display, tabular
 from roughbench.results.scaling import Array, Scaled
 from roughbench.units import prefix
 from roughbench.variables import long_name_of, quantity_of, units_of
+
+if TYPE_CHECKING:
+    from roughbench.labelled import DataFrame, Dataset
 
 Attribute = str | int | float
 MODULUS = "contact_modulus"
@@ -172,6 +176,20 @@ class ModelResult:
         """Return the variables without those that are statistics of another."""
         ends = tuple(f"_{statistic}" for statistic in STATISTICS)
         return [name for name in self.variables if not name.endswith(ends)]
+
+    def to_xarray(self) -> Dataset:
+        """Return the variables as a dataset of xarray, with dimensions, units and names.
+
+        Raises
+        ------
+        RoughbenchError
+            Without xarray.
+        """
+        return tabular.model_dataset(self)
+
+    def to_frame(self, *, averages: bool = True) -> DataFrame:
+        """Return the curves as a table of pandas, see :meth:`Results.to_frame`."""
+        return tabular.model_frame(self, averages=averages)
 
     def __repr__(self) -> str:
         return display.model_text(self)

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, overload
 
-from roughbench.results import display
+from roughbench.results import display, tabular
 from roughbench.results.model_result import ModelResult
 from roughbench.surface_record import SurfaceRecord
+
+if TYPE_CHECKING:
+    from roughbench.labelled import DataFrame, Dataset, DataTree
 
 
 class Models(dict[str, ModelResult]):
@@ -94,6 +98,81 @@ class Results(Mapping[str, Mapping[str, ModelResult]]):
         for experiment, models in self.experiments.items():
             for result in models.values():
                 yield experiment, result
+
+    @overload
+    def to_xarray(self, label: str) -> Dataset: ...
+
+    @overload
+    def to_xarray(self, label: None = None) -> DataTree: ...
+
+    def to_xarray(self, label: str | None = None) -> Dataset | DataTree:
+        """Return the results as xarray's datasets, with the sweep as dimensions.
+
+        A key of the sweep is a dimension by its last word, ``surface.qr`` as ``qr``, if all
+        combinations of its values are there; else ``experiment`` is one. What only some of
+        the experiments have is nan in the others.
+
+        Parameters
+        ----------
+        label : str, optional
+            Of a model; default: a tree of all models, ``results.to_xarray()["bem"]``.
+
+        Raises
+        ------
+        UnknownNameError
+            If no experiment has this model.
+        RoughbenchError
+            Without xarray, or if the experiments have no common array.
+
+        Examples
+        --------
+        >>> import roughbench as rb
+        >>> results = rb.run({
+        ...     "surface": {"H": 0.7, "q0": 1.0, "q1": 64.0, "slope": 0.1},
+        ...     "pressures": [1e-3, 1e-2],
+        ...     "models": [{"kind": "persson"}],
+        ...     "sweep": {"surface.qr": [1.0, 8.0]},
+        ... })
+        >>> persson = results.to_xarray("persson")
+        >>> persson.separation_mean.dims
+        ('qr', 'pressure')
+        >>> float(persson.area_mean.sel(qr=8.0, pressure=1e-3).round(5))
+        0.01596
+        """
+        return tabular.results_tree(self) if label is None else tabular.swept(self, label)
+
+    def to_frame(self, *, averages: bool = True) -> DataFrame:
+        """Return all curves as one table of pandas, a row for every pressure.
+
+        Parameters
+        ----------
+        averages : bool
+            Over the realizations; else a row for every realization at every pressure.
+
+        Returns
+        -------
+        DataFrame
+            With the columns ``experiment``, ``model`` and those of the sweep, and nan where
+            a model does not give a quantity; units in ``frame.attrs["units"]``.
+
+        Raises
+        ------
+        RoughbenchError
+            Without pandas.
+
+        Examples
+        --------
+        >>> import roughbench as rb
+        >>> results = rb.run({
+        ...     "surface": {"H": 0.7, "q0": 1.0, "q1": 64.0, "slope": 0.1},
+        ...     "pressures": [1e-3, 1e-2],
+        ...     "models": [{"kind": "persson"}],
+        ... })
+        >>> frame = results.to_frame()
+        >>> frame[["model", "pressure", "area_mean"]].round(5).values.tolist()
+        [['persson', 0.001, 0.01596], ['persson', 0.01, 0.15852]]
+        """
+        return tabular.results_frame(self, averages=averages)
 
     @property
     def outside_kinds(self) -> dict[str, str]:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from roughbench import labelled
 from roughbench.errors import SolverError
 from roughbench.inputs import float_array, real_number
+from roughbench.labelled import NamedArray
 from roughbench.models.base import CompleteCurve, FloatArray, State, Status
 from roughbench.models.halfspace.approach import solve_approach
 from roughbench.models.halfspace.options import Boundary, Correction, Precision
@@ -22,6 +24,9 @@ from roughbench.models.halfspace.separation import (
 from roughbench.models.halfspace.solver import Solution, Solver
 from roughbench.models.halfspace.states import solve_states
 from roughbench.models.halfspace.working_set import WorkingSet
+
+if TYPE_CHECKING:
+    from roughbench.labelled import Dataset
 
 FURTHEST = 4.0
 """Most by which pressures are multiplied to start from."""
@@ -55,6 +60,10 @@ class ContactState:
     gap : ndarray of float64
         Local separation, shape of the heights, length; in contact it is zero up to the
         certificate, and at plastic points negative: so far the material has given way.
+    size : tuple of float
+        Sides of the cell along the axes of the heights, (y, x) or (x,), length.
+    modulus : float
+        E*.
     iterations, transform_pairs : int
         Work that the state took.
     history : list of IterationError, or None
@@ -70,6 +79,7 @@ class ContactState:
 
     def __init__(self, problem: Problem, solution: Solution | None, load: float) -> None:
         solver = problem.solver
+        self.size, self.modulus = problem.size, problem.modulus
         self.force = load * problem.pressure_unit * problem.area
         self._tangent = (
             None if solution is None else _Tangent(problem, solver.elastic(solution.points))
@@ -101,6 +111,38 @@ class ContactState:
         On a free half-space dF/dδ, modulus · length, of the force and the approach.
         """
         return math.inf if self._tangent is None else self._tangent.stiffness()
+
+    def to_xarray(self) -> Dataset:
+        """Return pressure and gap over x and y as a dataset of xarray, the rest as attributes.
+
+        Raises
+        ------
+        RoughbenchError
+            Without xarray.
+        """
+        axes = ("y", "x")[-self.pressure.ndim :]
+        arrays = {
+            axis: NamedArray(
+                (axis,), side / n * np.arange(n), "length", f"position along {axis}"
+            )
+            for axis, side, n in zip(axes, self.size, self.pressure.shape, strict=True)
+        }
+        words = {"pressure": ("modulus", "contact pressure"), "gap": ("length", "gap")}
+        for name, (unit, text) in words.items():
+            arrays[name] = NamedArray(axes, getattr(self, name), unit, f"{text} at every point")
+        numbers = ("area_fraction", "area_fraction_raw", "mean_separation", "force", "energy")
+        return labelled.dataset(
+            arrays,
+            {
+                **{
+                    name: getattr(self, name) for name in (*numbers, "plastic_depth", "modulus")
+                },
+                "status": self.status.name.lower(),
+                "complementarity": self.certificate.complementarity,
+                "penetration": self.certificate.penetration,
+                "load_error": self.certificate.load_error,
+            },
+        )
 
 
 class _Tangent:

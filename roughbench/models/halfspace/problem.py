@@ -145,6 +145,8 @@ class Problem:
         self.solver = Solver(surface, tolerance, **self.options)
         # Σ of the areas of all points; of a line its length.
         self.area = self.spacing * h.size * (self.spacing * aspect if h.ndim == 2 else 1.0)
+        steps = (self.spacing, self.spacing * aspect)
+        self.size = tuple(n * step for n, step in zip(h.shape, steps, strict=False))
         self.free = free
         rms = self.solver.rms
         if not (rms == 0.0 or 1e-152 < rms < 1e152) or (rms == 0.0 and np.ptp(h) > 0):
