@@ -30,6 +30,8 @@ FloatArray = NDArray[np.float64]
 _COLOURS = ("#0072B2", "#D62728", "#009E73", "#E69F00", "#CC79A7", "#56B4E9")
 """Blue and red as in the paper, and further ones for more roll-offs."""
 DASHES = (0, (4, 2))
+_FEW = 40
+"""Fewer states of springs than this are marked: the straight lines between them are no law."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,6 +152,8 @@ def draw_case(
             continue
         style = (turn * 6.0, DASHES[1]) if model == "theory" else "-"
         (line,) = axes.plot(pressure, value, color=case.colour, linestyle=style, zorder=3)
+        if model == "springs" and np.isfinite(value).sum() < _FEW:
+            line.set(marker=".", markersize=4.0)
         line.set_gid(gid)
 
 
@@ -181,6 +185,16 @@ def counts_remark(results: Results) -> str:
         for words, found in _counts(cases_of(results))
         if found
     )
+
+
+def exact_remark(results: Results) -> str:
+    """Say of which cases there are no exact points; nothing if all have some."""
+    cases = cases_of(results)
+    without = [case.label for case in cases if case.exact is None]
+    if not without:
+        return ""
+    whose = "" if len(without) == len(cases) else f" for {' and '.join(without)}"
+    return f"no exact points{whose}: not in these results (plot --with joins others)"
 
 
 def _counts(cases: list[RollOffCase]) -> Iterator[tuple[str, list[int]]]:

@@ -17,6 +17,7 @@ from roughbench.figures.printed import (
     cases_of,
     counts_remark,
     draw_case,
+    exact_remark,
     lack_of,
     lack_of_values,
     legend_of,
@@ -65,7 +66,12 @@ def draw(results: Results) -> Figure:
         axes.label_outer()
         letter(axes, number)
     legend_above(figure, legend_of(results, _MODELS))
-    remarks = [height_remark(results), counts_remark(results), *unconverged_remarks(results)]
+    remarks = [
+        height_remark(results),
+        counts_remark(results),
+        exact_remark(results),
+        *unconverged_remarks(results),
+    ]
     footnote(figure, [*filter(None, remarks)])
     return figure
 

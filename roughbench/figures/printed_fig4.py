@@ -22,6 +22,7 @@ from roughbench.figures.printed import (
     cases_of,
     counts_remark,
     draw_case,
+    exact_remark,
     lack_of,
     lack_of_values,
     legend_of,
@@ -55,7 +56,8 @@ def draw(results: Results) -> Figure:
     """Return the figure."""
     figure, both = new_figure(2, 2.4, extra=0.6, share=True)
     cases, shown = cases_of(results), scaled_axes(results)
-    remarks, marks = [height_remark(results), counts_remark(results)], False
+    remarks = [height_remark(results), counts_remark(results), exact_remark(results)]
+    marks = False
     for number, (axes, models) in enumerate(zip(both, _PANELS, strict=True)):
         axes.set_xscale("log")
         axes.set_yscale("log")

@@ -282,7 +282,7 @@ def matched_modulus(sample: Sample) -> float:
 
 
 class Winkler(HeightsOrSpectrum):
-    """Independent springs under every point of the surface, without elastic coupling."""
+    """Independent springs under every point of the surface, coupled in the mean at most."""
 
     iterative: ClassVar[bool] = False
     idle_grid: ClassVar[str] = "has no effect with heights: gaussian; remove it"

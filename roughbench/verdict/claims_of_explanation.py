@@ -2,8 +2,8 @@
 
 The preprint's abstract attributes the failure of the foundation to the neglect of the elastic
 coupling, the published one to its incorrect treatment. Both readings are tested: the neglect
-by springs under the surface itself, the treatment by the scale that the foundation gives its
-pressures.
+by springs under the surface itself, which share the half-space's mean response alone, the
+treatment by the scale that the foundation gives its pressures.
 """
 
 from __future__ import annotations
@@ -43,7 +43,8 @@ EXPLANATION = (
             f"coupling-{quantity}",
             "abstract of the preprint, Secs. 5, 6",
             "The foundation fails because it neglects the long-range elastic coupling: "
-            f"springs without coupling are off in {noun} on the surface itself as well.",
+            f"springs that share its mean response alone are off in {noun} on the surface "
+            "itself as well.",
             ("winkler",),
             (
                 _criterion(

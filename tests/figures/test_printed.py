@@ -97,6 +97,25 @@ def test_theory_stands_above_the_foundation(wide: Results, exact: Results, draw:
     assert points.get_color() == RED
 
 
+def test_few_states_of_springs_are_marked(wide: Results, draw: Draw) -> None:
+    (few,) = lines(draw(wide, "printed_fig3"), "surface.qr=8.0/foundation/area")
+    assert few.get_marker() == "."
+    more = {
+        name: {label: _doubled(one) for label, one in models.items()}
+        for name, models in wide.experiments.items()
+    }
+    figure = draw(replace(wide, experiments=more), "printed_fig3")
+    (many,) = lines(figure, "surface.qr=8.0/foundation/area")
+    assert many.get_marker() == "None"
+
+
+def test_missing_exact_points_are_said(wide: Results, exact: Results, draw: Draw) -> None:
+    for name in ("printed_fig3", "printed_fig4"):
+        for results, said in ((wide, "points: not"), (join(wide, exact), "_0 = 1$: not")):
+            texts = [one.get_text() for one in draw(results, name).findobj(Text)]
+            assert any("no exact points" in text and said in text for text in texts)
+
+
 def test_marks_stand_where_the_foundation_deviates(wide: Results, draw: Draw) -> None:
     figure = draw(wide, "printed_fig4")
     for number, (experiment, colour) in enumerate(
@@ -127,6 +146,15 @@ def _from(result: ModelResult, first: int) -> ModelResult:
     """Return a result without its first pressures."""
     known = {
         name: array[..., first:] if array.shape[-1] == 36 else array
+        for name, array in result.variables.items()
+    }
+    return replace(result, variables=known)
+
+
+def _doubled(result: ModelResult) -> ModelResult:
+    """Return a result with every pressure twice."""
+    known = {
+        name: np.repeat(array, 2, axis=-1) if array.shape[-1] == 36 else array
         for name, array in result.variables.items()
     }
     return replace(result, variables=known)
