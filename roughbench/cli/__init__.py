@@ -43,6 +43,7 @@ COMMANDS = (
     "report",
     "plot",
     "export",
+    "reproduce",
     "validate",
     "schema",
 )
