@@ -169,6 +169,7 @@ KINDS_ELSEWHERE = {
     ("figures.spectrum", "line"): "what a model needs",
     ("report.observables", "persson"): "the end of a variable's name",
     ("report.tables", "line"): "a word",
+    ("runner.comparison", "line"): "what a model needs",
     ("cli.results_csv", "persson"): "the end of a variable's name",
 }
 """Words that are also kinds of models, and why they stand where they do."""

@@ -44,6 +44,7 @@ COMMANDS = (
     "report",
     "plot",
     "export",
+    "reproduce",
     "validate",
     "schema",
 )

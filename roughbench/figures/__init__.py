@@ -46,12 +46,14 @@ from roughbench.source_files import blamed, names_file
 
 __all__ = [
     "FIGURES",
+    "NOT_COMPUTED",
     "Agreement",
     "Recipe",
     "available",
     "departures",
     "drawn_of",
     "join",
+    "needed",
     "recipes_of",
     "render",
 ]
@@ -83,6 +85,10 @@ Fig. 2; area and separation, Fig. 3; the stiffness, Fig. 4; further quantities; 
 and the fields that are kept; those that other packages declare."""
 
 
+NOT_COMPUTED = frozenset({"spectrum", "surface"})
+"""Figures of what the spec says, not of what was computed."""
+
+
 def available(results: Results) -> list[str]:
     """Return the names of the figures that these results allow, the paper's in its order."""
     recipes = recipes_of(results)
@@ -99,6 +105,41 @@ def drawn_of(folder: str | os.PathLike[str]) -> set[str]:
     """Return the names of the results files that the figures in a folder say they are of."""
     found = {source_of(path) for path in Path(folder).glob("*.png")}
     return found - {""}
+
+
+def needed(results: Results, name: str) -> Callable[[Results], str | None]:
+    """Return what says of results whether a figure can be drawn of them: None, or what lacks.
+
+    Parameters
+    ----------
+    results : Results
+        That the figure can be drawn of.
+    name : str
+        As for :func:`render`.
+
+    Raises
+    ------
+    StoreError, ModelError
+        As :func:`render`.
+    """
+    return _recipe(results, name)[1].missing
+
+
+def _recipe(results: Results, name: str) -> tuple[str, Recipe]:
+    """Return name and recipe of a figure that the results allow."""
+    if names_file(name):
+        name, recipe = load_figure(name, FIGURES)
+    else:
+        recipes = recipes_of(results)
+        if name not in recipes:
+            raise StoreError(f"there is no figure {name!r}; choose one of {', '.join(recipes)}")
+        recipe = recipes[name]
+    if lack := _asked(recipe.missing, name, results):
+        allowed = ", ".join(available(results)) or "none"
+        raise StoreError(
+            f"figure {name!r} needs {lack}; figures that these results allow: {allowed}"
+        )
+    return name, recipe
 
 
 def render(
@@ -134,18 +175,7 @@ def render(
     ModelError
         If there is no such file or class, it is no figure, or ends with an error.
     """
-    if names_file(name):
-        name, recipe = load_figure(name, FIGURES)
-    else:
-        recipes = recipes_of(results)
-        if name not in recipes:
-            raise StoreError(f"there is no figure {name!r}; choose one of {', '.join(recipes)}")
-        recipe = recipes[name]
-    if lack := _asked(recipe.missing, name, results):
-        allowed = ", ".join(available(results)) or "none"
-        raise StoreError(
-            f"figure {name!r} needs {lack}; figures that these results allow: {allowed}"
-        )
+    name, recipe = _recipe(results, name)
     check_files(name, Path(folder))
     with publication_style():
         return save(_asked(recipe.draw, name, results), name, Path(folder), source)

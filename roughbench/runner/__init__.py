@@ -18,6 +18,7 @@ from roughbench.runner.inspection import RunState, status
 from roughbench.runner.overview import PlanRow
 from roughbench.runner.progress import Progress, ProgressListener
 from roughbench.runner.provenance import Account, accounts
+from roughbench.runner.reproduction import Reproduction, reproduce
 from roughbench.runner.verification import verify
 from roughbench.system import available_cores
 
@@ -27,6 +28,7 @@ __all__ = [
     "PlanRow",
     "Progress",
     "ProgressListener",
+    "Reproduction",
     "RunState",
     "accounts",
     "available_cores",
@@ -36,6 +38,7 @@ __all__ = [
     "make_sample",
     "plan",
     "preview",
+    "reproduce",
     "run",
     "run_to_file",
     "status",

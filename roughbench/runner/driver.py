@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from roughbench.engines.cluster import Cluster
 from roughbench.engines.dask_cluster import compute_on_cluster
 from roughbench.engines.local import compute_here, compute_in_workers
 from roughbench.engines.worker_pool import refuse_in_a_new_worker
+from roughbench.planning.cells import Cell
 from roughbench.planning.plan import warnings
 from roughbench.planning.resources import ResourceLimits, check_memory
 from roughbench.planning.tasks import Task
@@ -29,6 +31,9 @@ from roughbench.runner.scan import scan_cleared
 from roughbench.runner.selection import select
 from roughbench.spec import Source
 from roughbench.store import load
+
+Narrowing = Callable[[list[Cell]], list[Cell]]
+"""From all that a spec asks for to what is computed and written of it."""
 
 
 def run(
@@ -145,7 +150,8 @@ def run_to_file(spec: Source, output: str | os.PathLike[str], **options: Any) ->
     spec, output
         As for :func:`run`.
     **options
-        Its other arguments.
+        Its other arguments; and ``narrowed``, a callable that returns those of the cells that
+        are to be computed, for results with no more in them.
 
     Returns
     -------
@@ -173,11 +179,14 @@ def _run(
     cluster: Cluster | None = None,
     command: str = "",
     returned: bool = True,
+    narrowed: Narrowing | None = None,
     **options: Any,
 ) -> Results:
     """Run; unless the results are ``returned``, no more of them than they have in common."""
     refuse_in_a_new_worker()
     run = prepare(spec, output, force=force, cluster=cluster, log_file=log_file, **options)
+    if narrowed is not None:
+        run = replace(run, cells=narrowed(run.cells))
     folder = run.folder
     logs = [Path(log_file)] if log_file is not None else []
     if folder is not None:
