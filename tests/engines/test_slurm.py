@@ -76,7 +76,7 @@ def said_by(address: str, security: Any) -> Any:
 
 @pytest.mark.slow
 def test_who_has_no_certificate_is_refused(slurm_folder: Path, tmp_path: Path) -> None:
-    import psutil  # type: ignore[import-untyped]
+    import psutil
     from distributed.security import Security
 
     output = tmp_path / "there.h5"

@@ -112,8 +112,13 @@ def test_a_curve_at_gaps_is_that_at_their_pressures() -> None:
     heights = rough(32, seed=6)
     pressures = full_load(heights) * np.array([0.3, 1e-4, 0.15, 0.08, 0.2])
     there = solve_curve(heights, pressures, threads=1)
+    assert there.separation is not None
+    assert there.area_raw is not None
+    assert there.stiffness is not None
     above = 2.0 * float(heights.max() - heights.mean())
     back = solve_curve(heights, separations=[*there.separation, above], threads=1)
+    assert back.area_raw is not None
+    assert back.stiffness is not None
     assert (back.status == Status.CONVERGED).all()
     np.testing.assert_allclose(back.pressure, [*pressures, 0.0], rtol=5e-6)
     np.testing.assert_allclose(back.area_raw, [*there.area_raw, 0.0], atol=2e-3)
