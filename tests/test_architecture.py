@@ -83,7 +83,7 @@ OWNERS = {
     "pydantic": {"models", "spec"},
     "pydantic_core": {"models", "spec"},
     "pyfftw": {"transform"},
-    "scipy": {"fits", "models", "observables", "scans"},
+    "scipy": {"fits", "models", "observables", "scans", "transform"},
     "threadpoolctl": {"engines"},
     "tqdm": {"cli", "runner"},
     "xarray": {"labelled"},

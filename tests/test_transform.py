@@ -19,7 +19,7 @@ import pytest
 from numpy.typing import NDArray
 
 from roughbench import transform as transform_module
-from roughbench.transform import FEWEST_POINTS, RealTransform, cache_folder
+from roughbench.transform import FEWEST_POINTS, RealTransform, cache_folder, plans, wisdom
 
 SHAPES = [
     *((1, n) for n in (2, 3, 4, 16, 17, 1000)),
@@ -36,6 +36,12 @@ def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
+@pytest.fixture(params=["pyfftw", "scipy"])
+def _backend(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROUGHBENCH_FFT", request.param)
+
+
+@pytest.mark.usefixtures("_backend")
 @pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize(("dtype", "error"), PRECISIONS)
 @pytest.mark.parametrize("shape", SHAPES, ids=str)
@@ -56,6 +62,7 @@ def test_forward_and_backward_are_those_of_numpy(
     )
 
 
+@pytest.mark.usefixtures("_backend")
 @pytest.mark.parametrize(("dtype", "_error"), PRECISIONS)
 def test_one_buffer_of_the_right_shapes(dtype: type, _error: float) -> None:
     transform = RealTransform((6, 9), dtype)
@@ -111,14 +118,14 @@ def test_two_transforms_share_nothing(rng: np.random.Generator) -> None:
 
 def test_plans_are_kept(own_cache: Path) -> None:
     RealTransform((12, 10), np.float64)
-    wisdom = own_cache / "fftw-wisdom.json"
-    parts = json.loads(wisdom.read_text())
+    kept = own_cache / "fftw-wisdom.json"
+    parts = json.loads(kept.read_text())
     assert len(parts) == 3  # double, single, long double
-    before = wisdom.stat().st_mtime_ns, wisdom.read_bytes()
+    before = kept.stat().st_mtime_ns, kept.read_bytes()
     RealTransform((12, 10), np.float64)
-    assert (wisdom.stat().st_mtime_ns, wisdom.read_bytes()) == before
+    assert (kept.stat().st_mtime_ns, kept.read_bytes()) == before
     RealTransform((11, 10), np.float32)
-    assert wisdom.read_bytes() != before[1]
+    assert kept.read_bytes() != before[1]
     assert [path.name for path in own_cache.glob("*.tmp")] == []
 
 
@@ -140,14 +147,14 @@ def test_spoilt_wisdom_is_measured_anew(
     own_cache: Path, spoilt: bytes, rng: np.random.Generator
 ) -> None:
     own_cache.mkdir()
-    wisdom = own_cache / "fftw-wisdom.json"
-    wisdom.write_bytes(spoilt)
+    kept = own_cache / "fftw-wisdom.json"
+    kept.write_bytes(spoilt)
     transform = RealTransform((10, 14), np.float64)
     values = rng.standard_normal((10, 14))
     transform.real[...] = values
     transform.forward()
     np.testing.assert_allclose(transform.spectral, np.fft.rfft2(values), rtol=0, atol=1e-13)
-    assert len(json.loads(wisdom.read_text())) == 3
+    assert len(json.loads(kept.read_text())) == 3
 
 
 def test_without_a_writable_cache_plans_are_measured_all_the_same(
@@ -220,9 +227,9 @@ SLOW = 0.3
 
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(transform_module, "PATIENCE", 1.0)
-    monkeypatch.setattr(transform_module, "SILENCE", SLOW)
-    monkeypatch.setattr(transform_module, "_said", set())
+    monkeypatch.setattr(wisdom, "PATIENCE", 1.0)
+    monkeypatch.setattr(wisdom, "SILENCE", SLOW)
+    monkeypatch.setattr(wisdom, "_said", set())
 
 
 @pytest.fixture
@@ -289,7 +296,7 @@ def test_a_process_that_goes_on_measuring_is_waited_for(
 def test_long_planning_is_said_once_and_shows_life(
     own_cache: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    plan = transform_module._plan
+    plan = plans.make_plan
     stamps = []
 
     def slow(*args: Any, **options: Any) -> Any:
@@ -297,7 +304,7 @@ def test_long_planning_is_said_once_and_shows_life(
         stamps.append((own_cache / "fftw-wisdom.lock").stat().st_mtime_ns)
         return plan(*args, **options)
 
-    monkeypatch.setattr(transform_module, "_plan", slow)
+    monkeypatch.setattr(transform_module, "make_plan", slow)
     transforms_right((1, 16))
     transforms_right((1, 18))
     told = [record.getMessage() for record in caplog.records]

@@ -16,7 +16,8 @@ from roughbench.errors import RoughbenchError
 from roughbench.planning.resources import memory_of
 from roughbench.planning.tasks import Task
 from roughbench.rundir.checkpoint import Checkpoint
-from roughbench.rundir.identity import code_digest, observing_digest
+from roughbench.rundir.identity import code_digest, observing_digest, transforms
+from roughbench.transform import fft_backend
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -79,10 +80,10 @@ def _check_roughbench(client: Client, workers: list[str]) -> None:
 
 
 def code_of(task: Task) -> str:
-    """Return a digest of what makes the numbers of a task."""
-    return (
-        f"{code_digest(type(task.cell.model))}-{observing_digest(task.cell.asked.observables)}"
-    )
+    """Return digests of what makes the numbers of a task, and the library of its transforms."""
+    model = type(task.cell.model)
+    code = f"{code_digest(model)}-{observing_digest(task.cell.asked.observables)}"
+    return f"{code}-{fft_backend()}" if transforms(model) else code
 
 
 def gigabytes_of(task: Task) -> int:
@@ -100,10 +101,12 @@ def carry_out_there(
     from distributed import get_worker
 
     worker = get_worker()
-    if code_of(task) != code:
+    if (here := code_of(task)) != code:
+        is_same = here.split("-")[:2] == code.split("-")[:2]
+        differs = "library of Fourier transforms" if is_same else "version of roughbench"
         return TaskOutcome(
             error=RoughbenchError(
-                f"{task}: the worker {worker.address} has another version of roughbench; "
+                f"{task}: the worker {worker.address} has another {differs}; "
                 "install the same one everywhere and start the workers again"
             )
         )

@@ -15,7 +15,7 @@ import inspect
 import json
 import re
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import roughbench.observables
@@ -28,9 +28,10 @@ from roughbench.quantities import QUANTITIES
 from roughbench.rundir import source
 from roughbench.source_files import installed_files, origin_of
 from roughbench.spec import MeasuredSurface, SelfAffineSurface
+from roughbench.transform import fft_backend
 
 Identity = Mapping[str, str | int | float]
-"""Flat: key path in a spec, ``threads`` or ``code`` → value."""
+"""Flat: key path in a spec, ``fft``, ``threads`` or ``code`` → value."""
 
 _PACKAGE = Path(roughbench.observables.__file__).parents[1]
 _numerics = re.compile(
@@ -53,11 +54,12 @@ def identity(cell: Cell, threads: int) -> Identity:
     Returns
     -------
     mapping of str to str, int or float
-        Heights from a file count by their content. ``code`` is a digest of what the source
-        files compute that make the numbers, the model's own and those of the surfaces: after
-        a change of one of them nothing computed before is taken for its result. Observables
-        count where they are asked for, with their own code; fields that are kept do not:
-        a state without the field that it should have counts as missing.
+        Heights from a file count by their content. ``fft`` is the library of the Fourier
+        transforms, for models that use those of :mod:`roughbench.transform`. ``code`` is a
+        digest of what the source files compute that make the numbers, the model's own and
+        those of the surfaces: after a change of one of them nothing computed before is taken
+        for its result. Observables count where they are asked for, with their own code; fields
+        that are kept do not: a state without the field that it should have counts as missing.
     """
     model, surface = cell.model, cell.surface
     options = model.model_dump(
@@ -81,6 +83,8 @@ def identity(cell: Cell, threads: int) -> Identity:
     else:
         given.pop("amplitude", None)
     values |= {f"surface.{name}": value for name, value in given.items()}
+    if transforms(type(model)):
+        values["fft"] = fft_backend()
     if model.iterative:
         values["threads"] = threads
     else:
@@ -124,7 +128,6 @@ def changes(before: Identity, after: Identity) -> list[str]:
     ]
 
 
-@functools.cache
 def code_digest(model: type[Model]) -> str:
     """Return a digest of what the source files compute that make a model's numbers.
 
@@ -132,10 +135,21 @@ def code_digest(model: type[Model]) -> str:
     Of a model from outside its own files count, and those that it imports beside them (of a
     package: within it), and what it takes from roughbench.
     """
-    return _together(_digests([_own_files(model), *(_unit(name) for name in _SAMPLES)]))[:12]
+    return _together(_code_of(model).values())[:12]
 
 
-def _digests(waiting: list[dict[str, str]]) -> list[str]:
+def transforms(model: type[Model]) -> bool:
+    """Whether a model's numbers come by way of :mod:`roughbench.transform`."""
+    return any(path.startswith("roughbench/transform") for path in _code_of(model))
+
+
+@functools.cache
+def _code_of(model: type[Model]) -> dict[str, str]:
+    """Return the digests of what makes a model's numbers, by path."""
+    return _digests([_own_files(model), *(_unit(name) for name in _SAMPLES)])
+
+
+def _digests(waiting: list[dict[str, str]]) -> dict[str, str]:
     """Return the digests of texts, and of what they import of roughbench's numerics, by path.
 
     Parameters
@@ -154,7 +168,7 @@ def _digests(waiting: list[dict[str, str]]) -> list[str]:
             names = {_public.get(name, name) for name in source.imported(text)}
             found = {match[1] for name in names if (match := _numerics(name))}
             waiting += [_unit(name) for name in sorted(found)]
-    return [digests[path] for path in sorted(digests)]
+    return {path: digests[path] for path in sorted(digests)}
 
 
 @functools.cache
@@ -172,7 +186,7 @@ def observing_digest(observables: Sequence[Observable] = ()) -> str:
     loaded: list[str] = []
     for observable in observables:
         if origin := origin_of(type(observable)):
-            loaded += _digests([dict(origin.files.texts)])
+            loaded += _digests([dict(origin.files.texts)]).values()
         else:
             paths += [path for path in _files_of(observable) if path not in paths]
     texts = [path.read_text(encoding="utf-8") for path in paths]
@@ -203,7 +217,7 @@ def assembly_digest() -> str:
     )
 
 
-def _together(digests: Sequence[str]) -> str:
+def _together(digests: Iterable[str]) -> str:
     return hashlib.sha256("".join(digests).encode()).hexdigest()
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -10,14 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from roughbench.transform import (
-    FEWEST_POINTS,
-    _blocks,
-    _kept_wisdom,
-    _plan,
-    _planned,
-    cache_folder,
-)
+from roughbench.transform import FEWEST_POINTS, slices
+from roughbench.transform.plans import empty, make_plan, planning
 
 WORK = 1 << 18
 """Bytes of columns that are transformed at a time: they stay in the second cache."""
@@ -58,32 +51,28 @@ class PaddedConvolution:
         dtype: DTypeLike,
         threads: int = 1,
     ) -> None:
-        import pyfftw
-
         n, m = shape
         self.period = period
         self.dtype: np.dtype[Any] = np.dtype(dtype)
         spectral_dtype = np.result_type(self.dtype, np.complex64)
         n_columns = period[1] // 2 + 1
-        self._spectral: NDArray[Any] = pyfftw.empty_aligned((n, n_columns), spectral_dtype)
+        self._spectral: NDArray[Any] = empty((n, n_columns), spectral_dtype)
         self._padded: NDArray[Any] = self._spectral.view(self.dtype)[:, : period[1]]
         self.real: NDArray[Any] = self._padded[:, :m]
         threads = threads if n * m >= FEWEST_POINTS else 1
         self._pool = ThreadPoolExecutor(threads - 1) if threads > 1 else None
-        self._rows = _blocks(n, threads, 1)
+        self._rows = slices(n, threads, 1)
         at_once = min(max(WORK // (period[0] * spectral_dtype.itemsize) // 8 * 8, 8), 64)
-        self._columns = _blocks(n_columns, threads, at_once)
-        self._work = [
-            pyfftw.zeros_aligned((period[0], at_once), spectral_dtype) for _ in self._columns
-        ]
-        key = ((*shape, *period), self.dtype.char, threads, cache_folder())
-        with contextlib.nullcontext() if key in _planned else _kept_wisdom(pyfftw, shape):
+        self._columns = slices(n_columns, threads, at_once)
+        self._work = [empty((period[0], at_once), spectral_dtype) for _ in self._columns]
+        with planning(shape, (*shape, *period, self.dtype.char, threads)):
             padded, spectral = self._padded, self._spectral
-            self._forth = [_plan(padded[b], spectral[b], 1) for b in self._rows]
-            self._back = [_plan(spectral[b], padded[b], 1, back=True) for b in self._rows]
-            self._down = [_plan(work, work, 0) for work in self._work]
-            self._up = [_plan(work, work, 0, back=True) for work in self._work]
-        _planned.add(key)
+            self._forth = [make_plan(padded[b], spectral[b], 1) for b in self._rows]
+            self._back = [make_plan(spectral[b], padded[b], 1, back=True) for b in self._rows]
+            self._down = [make_plan(work, work, 0) for work in self._work]
+            self._up = [make_plan(work, work, 0, back=True) for work in self._work]
+        for work in self._work:
+            work[...] = 0.0
         self._spectral[...] = 0.0
 
     def apply(self, multiply: Multiply) -> None:
@@ -115,7 +104,7 @@ class PaddedConvolution:
             self._up[k].execute()
             here[...] = work[:n, :width]
 
-    def _each(self, step: Callable[[int], None]) -> None:
+    def _each(self, step: Callable[[int], object]) -> None:
         """Do one step for the blocks of all threads, the last in this one."""
         last = len(self._rows) - 1
         if self._pool is None:

@@ -113,7 +113,7 @@ def test_the_files_of_a_package_count(site: Path) -> None:
     install(site, "theories", "erf09 = theories.one:Erf09")
 
     def digest() -> str:
-        identity.code_digest.cache_clear()
+        identity._code_of.cache_clear()
         return identity.code_digest(MODELS["erf09"])
 
     before = digest()

@@ -303,7 +303,9 @@ def identity_of(tree: dict[str, Any], threads: int = 1) -> Identity:
     return identity(plan(spec)[0], threads)
 
 
-def test_the_identity_names_what_numbers_depend_on(small_spec: dict[str, Any]) -> None:
+def test_the_identity_names_what_numbers_depend_on(
+    small_spec: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
     its = identity_of(small_spec)
     assert its["surface.H"] == 0.7
     assert its["surface.qr"] == 4.0
@@ -318,6 +320,12 @@ def test_the_identity_names_what_numbers_depend_on(small_spec: dict[str, Any]) -
     assert identity_of(bem)["code"] != its["code"]
     persson = identity_of({**small_spec, "models": [{"kind": "persson"}]})
     assert "seed" not in persson
+    assert [one.get("fft") for one in (its, persson)] == [None, None]  # they transform nothing
+    kinds = [{"kind": "line"}, {"kind": "bem", "grid": 128}]
+    for backend in ("pyfftw", "scipy"):
+        monkeypatch.setenv("ROUGHBENCH_FFT", backend)
+        for kind in kinds:
+            assert identity_of({**small_spec, "models": [kind]})["fft"] == backend
     assert "surface.amplitude" not in persson
 
 

@@ -116,7 +116,7 @@ def test_words_in_the_package_keep_the_identity_and_numbers_change_it(
     monkeypatch.setattr(Path, "read_text", read)
 
     def digest() -> str:
-        identity.code_digest.cache_clear()
+        identity._code_of.cache_clear()
         return identity.code_digest(model)
 
     before = digest()
@@ -127,7 +127,7 @@ def test_words_in_the_package_keep_the_identity_and_numbers_change_it(
     edit[:] = [("spectrum.py", r"\*= 2\.0  # the other", "*= 2.5  # the other")]
     assert digest() != before
     monkeypatch.undo()
-    identity.code_digest.cache_clear()
+    identity._code_of.cache_clear()
     assert digest() == before
 
 
@@ -140,13 +140,13 @@ def test_the_loops_of_the_solver_are_part_of_the_identity(
     def read(path: Path, *arguments: str, **options: str) -> str:
         return real(path, *arguments, **options) + changed * (path.parent.name == "loops")
 
-    identity.code_digest.cache_clear()
+    identity._code_of.cache_clear()
     before = {model: identity.code_digest(model) for model in (Foundation, HalfSpace)}
     monkeypatch.setattr(Path, "read_text", read)
-    identity.code_digest.cache_clear()
+    identity._code_of.cache_clear()
     assert identity.code_digest(Foundation) == before[Foundation]
     assert identity.code_digest(HalfSpace) != before[HalfSpace]
-    identity.code_digest.cache_clear()
+    identity._code_of.cache_clear()
 
 
 def test_a_word_discards_nothing_that_was_observed(monkeypatch: pytest.MonkeyPatch) -> None:

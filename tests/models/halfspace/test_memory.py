@@ -17,6 +17,7 @@ def meminfo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     path = tmp_path / "meminfo"
     path.write_text("MemTotal: 900 kB\nMemAvailable:   1000 kB\n")
     monkeypatch.setattr(rb.memory, "_PROC", tmp_path)
+    monkeypatch.setattr("roughbench.system._PROC", tmp_path)
     return path
 
 
