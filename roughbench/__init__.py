@@ -78,6 +78,7 @@ from roughbench.errors import (
 from roughbench.public import LAZY
 
 if TYPE_CHECKING:
+    from roughbench.figures import plot
     from roughbench.models.base import Curve, Model, Sample, State, Status
     from roughbench.models.halfspace.contact import solve_contact, solve_curve
     from roughbench.models.style import Style
@@ -120,6 +121,7 @@ __all__ = [
     "make_profile",
     "make_surface",
     "measured_spectrum",
+    "plot",
     "read_scan",
     "realization_generator",
     "run",

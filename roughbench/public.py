@@ -26,6 +26,7 @@ LAZY: Mapping[str, str] = {
     "make_profile": "roughbench.surface",
     "make_surface": "roughbench.surface",
     "measured_spectrum": "roughbench.spectrum",
+    "plot": "roughbench.figures",
     "read_scan": "roughbench.scans.topography",
     "realization_generator": "roughbench.surface",
     "run": "roughbench.runner",

@@ -43,7 +43,7 @@ def _share(_ctx: click.Context, _parameter: click.Parameter, value: str | None) 
     "picture",
     type=click.Path(path_type=Path, dir_okay=False),
     metavar="PICTURE.png",
-    help="Draw map, spectrum and heights' distribution, as .png or .pdf.",
+    help="Draw map, spectrum and heights' distribution, as .png, .pdf or .svg.",
 )
 @click.option("--size", help='Of the scan along x and y, as "10 um" or "10 um, 5 um".')
 @click.option("--unit", help="Of the heights, as nm.")

@@ -20,6 +20,7 @@ from roughbench.text import on_one_line
         "roughbench plot quick.h5 -o figures --figure stiffness",
         "roughbench plot h07.h5 h08.h5 -o hurst",
         "roughbench plot paper-fig3.h5 --with paper-bem.h5 --figure printed_fig3",
+        "roughbench plot quick.h5 --figure area --overlay measured.csv --format svg",
     ),
 )
 @click.argument(
@@ -52,6 +53,28 @@ from roughbench.text import on_one_line
     help="Draw the models of these results too, where they are of the same surfaces: exact "
     "points that were computed apart; repeatable.",
 )
+@click.option(
+    "--overlay",
+    "points",
+    type=click.Path(path_type=Path),
+    multiple=True,
+    metavar="POINTS.csv",
+    help="Draw the points of a CSV file over the curves, with an entry in the legend: columns "
+    "pressure, area, area_error, separation, … each with its unit in brackets; repeatable.",
+)
+@click.option(
+    "--format",
+    "formats",
+    type=click.Choice(["pdf", "png", "svg"]),
+    multiple=True,
+    help="Format of the files; repeatable. Default: pdf and png.",
+)
+@click.option(
+    "--style",
+    default="",
+    metavar="STYLE",
+    help="Style of Matplotlib, by name or as a file, over that of roughbench.",
+)
 @debug_option
 @click.pass_context
 def command(
@@ -60,8 +83,11 @@ def command(
     folder: Path,
     wanted: tuple[str, ...],
     others: tuple[Path, ...],
+    points: tuple[Path, ...],
+    formats: tuple[str, ...],
+    style: str,
 ) -> None:
-    """Draw the figures of RESULTS as PDF and PNG.
+    """Draw the figures of RESULTS as PDF and PNG, or in other formats.
 
     All that they have the data for, if no --figure is given. Prints the paths of the files.
     """
@@ -93,9 +119,33 @@ def command(
         loaded = load(path)
         for other in others:
             loaded = figures.join(loaded, load(other))
-        for name in wanted or figures.available(loaded):
-            for file in figures.render(loaded, name, its_folder, path.name):
+        for file_of_points in points:
+            loaded = figures.overlaid(loaded, file_of_points)
+        names = list(wanted or figures.available(loaded))
+        if points:
+            _tell_without_points(names, [n for n in names if figures.shows_points(loaded, n)])
+        for name in names:
+            for file in figures.render(
+                loaded,
+                name,
+                its_folder,
+                path.name,
+                formats=formats or figures.USUAL,
+                style=style,
+            ):
                 click.echo(file)
+
+
+def _tell_without_points(names: list[str], with_points: list[str]) -> None:
+    """Say which figures have no place for the points that were laid over; refuse if none."""
+    without = [name for name in names if name not in with_points]
+    if not with_points:
+        raise StoreError(
+            f"none of the figures shows the points of --overlay: {', '.join(without)}; choose "
+            "--figure area, separation, stiffness or fig3, as their columns say"
+        )
+    if without:
+        click.echo(f"note: without the points of --overlay: {', '.join(without)}", err=True)
 
 
 def _refuse_to_mix(path: Path, folder: Path, drawn: set[str]) -> None:

@@ -16,9 +16,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from roughbench.errors import StoreError
 from roughbench.figures import (
@@ -32,21 +32,28 @@ from roughbench.figures import (
     stiffness,
 )
 from roughbench.figures.agreement import Agreement, departures
+from roughbench.figures.files import FORMATS, USUAL, check_files, save, source_of
 from roughbench.figures.joined import join
 from roughbench.figures.observed import ObservableFigure, unknown_observables
+from roughbench.figures.points import overlaid, quantities_of
 from roughbench.figures.quantity import QuantityFigure
 from roughbench.figures.recipe import Recipe, load_figure
 from roughbench.figures.separation import SeparationFigure
-from roughbench.figures.style import check_files, publication_style, save, source_of
+from roughbench.figures.style import Canvas, drawing_on, publication_style
 from roughbench.observables import OBSERVABLES
 from roughbench.quantities import compared
 from roughbench.registry import Registry
 from roughbench.results import Results
 from roughbench.source_files import blamed, names_file
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 __all__ = [
     "FIGURES",
+    "FORMATS",
     "NOT_COMPUTED",
+    "USUAL",
     "Agreement",
     "Recipe",
     "available",
@@ -54,8 +61,11 @@ __all__ = [
     "drawn_of",
     "join",
     "needed",
+    "overlaid",
+    "plot",
     "recipes_of",
     "render",
+    "shows_points",
 ]
 
 
@@ -103,7 +113,8 @@ def recipes_of(results: Results) -> Mapping[str, Recipe]:
 
 def drawn_of(folder: str | os.PathLike[str]) -> set[str]:
     """Return the names of the results files that the figures in a folder say they are of."""
-    found = {source_of(path) for path in Path(folder).glob("*.png")}
+    suffixes = {f".{suffix}" for suffix in FORMATS}
+    found = {source_of(path) for path in Path(folder).glob("*.*") if path.suffix in suffixes}
     return found - {""}
 
 
@@ -122,28 +133,98 @@ def needed(results: Results, name: str) -> Callable[[Results], str | None]:
     StoreError, ModelError
         As :func:`render`.
     """
-    return _recipe(results, name)[1].missing
+    return _allowed(results, name)[1].missing
 
 
-def _recipe(results: Results, name: str) -> tuple[str, Recipe]:
-    """Return name and recipe of a figure that the results allow."""
-    if names_file(name):
-        name, recipe = load_figure(name, FIGURES)
-    else:
-        recipes = recipes_of(results)
-        if name not in recipes:
-            raise StoreError(f"there is no figure {name!r}; choose one of {', '.join(recipes)}")
-        recipe = recipes[name]
-    if lack := _asked(recipe.missing, name, results):
-        allowed = ", ".join(available(results)) or "none"
-        raise StoreError(
-            f"figure {name!r} needs {lack}; figures that these results allow: {allowed}"
-        )
-    return name, recipe
+def shows_points(results: Results, name: str) -> bool:
+    """Return whether a figure shows some of the points that were laid over results."""
+    there = quantities_of(results)
+    if name == "fig3":
+        return bool(there & {"area", "separation"})
+    return name in there
+
+
+def plot(
+    results: Results,
+    name: str,
+    *,
+    ax: Axes | None = None,
+    overlay: str | os.PathLike[str] | None = None,
+    style: str | os.PathLike[str] = "",
+) -> Axes | list[Axes]:
+    r"""Draw a figure of results, to be shown in a notebook, changed or saved.
+
+    Parameters
+    ----------
+    results : Results
+    name : str
+        As for :func:`render`: ``area``, ``separation``, ``stiffness``, ``spectrum`` …; see
+        :func:`available`.
+    ax : Axes, optional
+        Panel to draw into, of a figure of the caller's, whose style it keeps; for a figure of
+        one panel. Remarks stand under its axis.
+    overlay : path, optional
+        A CSV file of points to draw over the curves, see :mod:`roughbench.figures.points`.
+    style : str or path
+        A style of Matplotlib, or a style file, over that of roughbench; not with ``ax``.
+
+    Returns
+    -------
+    Axes or list of Axes
+        The panels; ``axes.figure.savefig("area.pdf")`` saves them.
+
+    Raises
+    ------
+    StoreError
+        If there is no such figure, the results lack what it shows, it has several panels and
+        ``ax`` is one, or it shows nothing of the points.
+    ModelError
+        If a figure from outside cannot be used.
+
+    Examples
+    --------
+    >>> import matplotlib
+    >>> matplotlib.use("Agg")
+    >>> import roughbench as rb
+    >>> results = rb.run({
+    ...     "surface": {"H": 0.7, "q0": 1.0, "q1": 64.0, "slope": 0.1},
+    ...     "pressures": [1e-4, 1e-3, 1e-2],
+    ...     "models": [{"kind": "persson"}],
+    ... })
+    >>> axes = rb.plot(results, "area")
+    >>> axes.get_xscale(), [one.get_text() for one in axes.figure.legends[0].get_texts()]
+    ('log', ['Persson, $\\gamma = 0.45$'])
+    """
+    if overlay is not None:
+        results = overlaid(results, Path(overlay))
+        if not names_file(name) and not shows_points(results, name):
+            raise StoreError(f"the figure {name!r} shows no column of {Path(overlay).name}")
+    name, recipe = _allowed(results, name)
+    canvas = Canvas(ax)
+    if ax is not None:
+        if style:
+            raise StoreError("ax has a style already: give either ax or style")
+        with drawing_on(canvas):
+            figure = _asked(recipe.draw, name, results)
+        if not canvas.panels:
+            raise StoreError(f"the figure {name!r} makes panels of its own; leave out ax")
+        return ax
+    with publication_style(Path(style) if style else ""):
+        with drawing_on(canvas):
+            figure = _asked(recipe.draw, name, results)
+        figure.draw_without_rendering()  # all of it in this style, whenever it is shown
+    panels = [panel for panel in canvas.panels or figure.axes if panel in figure.axes]
+    return panels[0] if len(panels) == 1 else panels
 
 
 def render(
-    results: Results, name: str, folder: str | os.PathLike[str], source: str = ""
+    results: Results,
+    name: str,
+    folder: str | os.PathLike[str],
+    source: str = "",
+    *,
+    formats: Sequence[str] = USUAL,
+    style: str | os.PathLike[str] = "",
 ) -> list[Path]:
     """Draw a figure into a folder, as PDF and PNG.
 
@@ -161,24 +242,46 @@ def render(
         Made if it does not exist.
     source : str
         Name of the results file, for :func:`drawn_of`.
+    formats : sequence of str
+        Of :data:`FORMATS`.
+    style : str or path
+        A style of Matplotlib, or a style file, over that of roughbench.
 
     Returns
     -------
     list of Path
-        ``<name>.pdf`` and ``<name>.png``.
+        ``<name>.pdf`` and ``<name>.png``, in the order of the formats.
 
     Raises
     ------
     StoreError
-        If there is no such figure, the results lack what it shows, or a file cannot be
-        written or is somebody else's.
+        If there is no such figure, format or style, the results lack what it shows, or a file
+        cannot be written or is somebody else's.
     ModelError
         If there is no such file or class, it is no figure, or ends with an error.
     """
-    name, recipe = _recipe(results, name)
-    check_files(name, Path(folder))
-    with publication_style():
-        return save(_asked(recipe.draw, name, results), name, Path(folder), source)
+    name, recipe = _allowed(results, name)
+    check_files(name, Path(folder), formats)
+    with publication_style(Path(style) if style else ""):
+        figure = _asked(recipe.draw, name, results)
+        return save(figure, name, Path(folder), source, formats)
+
+
+def _allowed(results: Results, name: str) -> tuple[str, Recipe]:
+    """Return name and recipe of a figure that lacks nothing."""
+    if names_file(name):
+        name, recipe = load_figure(name, FIGURES)
+    else:
+        recipes = recipes_of(results)
+        if name not in recipes:
+            raise StoreError(f"there is no figure {name!r}; choose one of {', '.join(recipes)}")
+        recipe = recipes[name]
+    if lack := _asked(recipe.missing, name, results):
+        allowed = ", ".join(available(results)) or "none"
+        raise StoreError(
+            f"figure {name!r} needs {lack}; figures that these results allow: {allowed}"
+        )
+    return name, recipe
 
 
 def _asked(function: Callable[[Results], T], name: str, results: Results) -> T:

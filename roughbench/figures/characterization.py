@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Iterable
 from pathlib import Path
@@ -11,15 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from roughbench.errors import StoreError
-from roughbench.figures.style import (
-    COLOURS,
-    FIGURE,
-    GUIDE,
-    MAKER,
-    letter,
-    new_figure,
-    publication_style,
-)
+from roughbench.figures.files import FIGURE, image
+from roughbench.figures.style import COLOURS, GUIDE, letter, new_figure, publication_style
 from roughbench.outputs import OutputPath, check_output, write_output
 from roughbench.scans.characterization import Characterization
 from roughbench.units import prefix
@@ -42,24 +34,18 @@ def check_picture(path: Path, inputs: Iterable[OutputPath] = ()) -> None:
     """
     kind = FIGURE.get(path.suffix.lower().removeprefix("."))
     if kind is None:
-        raise StoreError(f"cannot draw {path}: its name must end in .png or .pdf")
+        raise StoreError(f"cannot draw {path}: its name must end in .png, .pdf or .svg")
     check_output(path, kind, inputs)
 
 
 def draw_picture(
     found: Characterization, path: Path, inputs: Iterable[OutputPath] = ()
 ) -> Path:
-    """Draw a characterized scan into a file, as its name says a PNG or a PDF."""
+    """Draw a characterized scan into a file, as its name says a PNG, a PDF or an SVG."""
     suffix = path.suffix.lower().removeprefix(".")
     check_picture(path, inputs)
-    undated: dict[str, dict[str, str | None]] = {
-        "pdf": {"Creator": MAKER, "Producer": None, "CreationDate": None},
-        "png": {"Software": MAKER},
-    }
-    image = io.BytesIO()
     with publication_style():
-        draw(found).savefig(image, format=suffix, metadata=undated[suffix])
-    return write_output(image.getvalue(), path, FIGURE[suffix], inputs)
+        return write_output(image(draw(found), suffix), path, FIGURE[suffix], inputs)
 
 
 def draw(found: Characterization) -> Figure:

@@ -94,8 +94,8 @@ def contact_maps(groups: Mapping[str, Sequence[ContactMap]]) -> Figure:
     most = max(len(maps) for maps in groups.values())
     columns = most if len(groups) > 1 else min(2, most)
     rows = {name: math.ceil(len(maps) / columns) for name, maps in groups.items()}
-    figure, panels = new_figure(sum(rows.values()), 1.9, columns, extra=0.3)
-    figure.set_figwidth(max(2.2, _SIDE * columns))
+    width = max(2.2, _SIDE * columns)
+    figure, panels = new_figure(sum(rows.values()), 1.9, columns, extra=0.3, width=width)
     colours = colormaps["viridis_r"].with_extremes(bad="white")
     image, start, used = None, 0, []
     for name, maps in groups.items():

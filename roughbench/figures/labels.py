@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from roughbench.figures.curves import curve_of
+from roughbench.figures.points import POINTS
 from roughbench.models.registry import declared, is_theory
 from roughbench.results import ModelResult, Results
 from roughbench.units import in_words
@@ -155,7 +156,9 @@ def _counts(models: Sequence[ModelResult]) -> list[str]:
 
 
 def _is_theory(model: ModelResult) -> bool:
-    """Return whether the model looked at no heights, but at the spectrum alone."""
+    """Return whether there is nothing to count: a model of the spectrum alone, or points."""
+    if model.kind == POINTS:
+        return True
     has_heights = "grid_points" in model.attributes or model.is_measured
     return is_theory(model.kind) or not (has_heights or model.n_realizations > 1)
 

@@ -1,18 +1,18 @@
-"""The style of the figures, and how they get onto the disk."""
+"""The style of the figures, and the panels that they are drawn into."""
 
 from __future__ import annotations
 
 import contextlib
-import io
-import re
-import urllib.parse
+import logging
 from collections.abc import Iterator
+from contextvars import ContextVar
+from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from roughbench.outputs import ENDS, Kind, check_output, write_output
-from roughbench.publish import make_folder
+from roughbench.errors import StoreError
+from roughbench.text import on_one_line
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -27,15 +27,53 @@ GUIDE = "0.45"
 """Grey of guide lines and of what they say."""
 SMALL = 7.0
 """Size of annotations, in points."""
-MAKER = "roughbench"
-"""Both files name it, so that no figure of anybody else is ever replaced."""
 BACKGROUND = {"facecolor": "white", "edgecolor": "none", "pad": 0.4}
 """Box behind a word that lines may run through."""
 
 
+@dataclass(slots=True)
+class Canvas:
+    """Where :func:`new_figure` draws while :func:`drawing_on` is in force.
+
+    Attributes
+    ----------
+    axes : Axes or None
+        The one panel; None: those of a figure that pyplot shows.
+    panels : list of Axes
+        That have been made, or given.
+    """
+
+    axes: Axes | None = None
+    panels: list[Axes] = field(default_factory=list)
+
+
+_CANVAS: ContextVar[Canvas | None] = ContextVar("canvas", default=None)
+
+
 @contextlib.contextmanager
-def publication_style() -> Iterator[None]:
-    """Draw in the style of this package, whatever the user's own settings are."""
+def drawing_on(canvas: Canvas) -> Iterator[None]:
+    """Have figures drawn into a panel that is there, or shown by pyplot."""
+    token = _CANVAS.set(canvas)
+    try:
+        yield
+    finally:
+        _CANVAS.reset(token)
+
+
+@contextlib.contextmanager
+def publication_style(style: str | Path = "") -> Iterator[None]:
+    """Draw in the style of this package, whatever the user's own settings are.
+
+    Parameters
+    ----------
+    style : str or path
+        What differs from it: a style of Matplotlib by name, or a style file.
+
+    Raises
+    ------
+    StoreError
+        If there is no such style or file, or a line of it says nothing to Matplotlib.
+    """
     import matplotlib as mpl
 
     with (
@@ -44,13 +82,52 @@ def publication_style() -> Iterator[None]:
     ):
         mpl.rcdefaults()
         mpl.rcParams.update(mpl.rc_params_from_file(path, use_default_template=False))
+        if style:
+            mpl.rcParams.update(_settings(style))
         yield
 
 
+def _settings(style: str | Path) -> dict[Any, Any]:
+    """Return what a style sheet sets."""
+    import matplotlib as mpl
+    import matplotlib.style
+
+    name = on_one_line(str(style))
+    if str(style) in matplotlib.style.library:
+        return dict(matplotlib.style.library[str(style)])
+    if not Path(style).is_file():
+        raise StoreError(
+            f"there is no style {name!r}: neither a file nor one of Matplotlib's, which are "
+            f"{', '.join(matplotlib.style.available)}"
+        )
+    said: list[str] = []
+    listener = logging.Handler()
+    listener.emit = lambda record: said.append(record.getMessage())  # type: ignore[method-assign]
+    logger = logging.getLogger("matplotlib")
+    logger.addHandler(listener)
+    propagated, logger.propagate = logger.propagate, False
+    try:
+        found = dict(mpl.rc_params_from_file(style, use_default_template=False))
+    except (OSError, UnicodeDecodeError) as error:
+        raise StoreError(f"{name}: no style sheet that can be read: {error}") from error
+    finally:
+        logger.removeHandler(listener)
+        logger.propagate = propagated
+    if said:
+        raise StoreError(f"{name}: {on_one_line(' '.join(said[0].split()))}")
+    return found
+
+
 def new_figure(
-    rows: int, height: float, columns: int = 1, *, extra: float = 0.0, share: bool = False
+    rows: int,
+    height: float,
+    columns: int = 1,
+    *,
+    extra: float = 0.0,
+    share: bool = False,
+    width: float | None = None,
 ) -> tuple[Figure, list[Axes]]:
-    """Return an empty figure with its panels, row by row.
+    """Return an empty figure with its panels, row by row; or those of :func:`drawing_on`.
 
     Parameters
     ----------
@@ -63,14 +140,53 @@ def new_figure(
     share : bool
         Whether all panels have the same limits of the pressure, and each row those of
         the ordinate.
+    width : float, optional
+        Of the figure, inches; default: that of its columns.
+
+    Raises
+    ------
+    StoreError
+        If there is one panel to draw into, and the figure has several.
     """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(COLUMN * columns, height * rows + extra))
+    canvas = _CANVAS.get()
+    if canvas is not None and canvas.axes is not None:
+        if rows * columns != 1:
+            raise StoreError(
+                f"the figure has {rows * columns} panels, and cannot be drawn into one: leave "
+                "out ax, or choose results or a figure of a single panel"
+            )
+        canvas.panels = [canvas.axes]
+        return _figure_of(canvas.axes), [canvas.axes]
+    size = (COLUMN * columns if width is None else width, height * rows + extra)
+    if canvas is None:
+        figure = Figure(figsize=size)
+    else:
+        import matplotlib.pyplot as plt
+
+        figure = plt.figure(figsize=size)
     axes = figure.subplots(
         rows, columns, squeeze=False, sharex=share, sharey="row" if share else False
     )
+    if canvas is not None:
+        canvas.panels = list(axes.flat)
     return figure, list(axes.flat)
+
+
+def _figure_of(axes: Axes) -> Figure:
+    """Return the whole figure that a panel is in."""
+    from matplotlib.figure import Figure
+
+    figure = axes.get_figure(root=True)
+    if not isinstance(figure, Figure):
+        raise StoreError("ax is in no figure: make both with matplotlib.pyplot.subplots")
+    return figure
+
+
+def _given() -> Axes | None:
+    canvas = _CANVAS.get()
+    return None if canvas is None else canvas.axes
 
 
 def letter(axes: Axes, number: int, text: str = "") -> None:
@@ -82,8 +198,12 @@ def legend_above(figure: Figure, handles: list[Artist], room: float = 0.9) -> No
     """Put the legend above the panels, in as many columns as fit.
 
     The figure grows by what a legend is taller than ``room``, in inches, so that many
-    contenders do not press the panels flat.
+    contenders do not press the panels flat. In a panel that was given it stands inside.
     """
+    axes = _given()
+    if axes is not None:
+        axes.legend(handles=handles)
+        return
     for columns in (4, 3, 2, 1):
         legend = figure.legend(handles=handles, loc="outside upper center", ncols=columns)
         rows = -(-len(handles) // columns)
@@ -96,73 +216,9 @@ def legend_above(figure: Figure, handles: list[Artist], room: float = 0.9) -> No
 
 
 def footnote(figure: Figure, lines: list[str]) -> None:
-    """Write remarks under the panels, if there are any."""
-    if lines:
+    """Write remarks under the panels, if there are any; at the axis of one that was given."""
+    axes = _given()
+    if axes is not None:
+        axes.set_xlabel("\n".join([axes.get_xlabel(), *lines]))
+    elif lines:
         figure.supxlabel("\n".join(lines), color=GUIDE)
-
-
-def check_files(name: str, folder: Path) -> None:
-    """Refuse to draw what could not be saved.
-
-    Raises
-    ------
-    StoreError
-        If ``name.pdf`` or ``name.png`` is a file of somebody else, or cannot be written.
-    """
-    for suffix, kind in FIGURE.items():
-        check_output(folder / f"{name}.{suffix}", kind)
-
-
-def save(figure: Figure, name: str, folder: Path, source: str = "") -> list[Path]:
-    """Write ``name.pdf`` and ``name.png``, each in one step.
-
-    Both say which results file they were drawn of, if ``source`` names one.
-
-    Equal figures give equal bytes: neither file holds a date or a version.
-
-    Returns
-    -------
-    list of Path
-        The PDF and the PNG.
-
-    Raises
-    ------
-    StoreError
-        If the folder cannot be made, or the files not be written, or one of their names
-        is that of another file.
-    """
-    make_folder(folder)
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")  # laid out: the same in both files
-    maker = f"{MAKER}, of <{urllib.parse.quote(source)}>" if source else MAKER
-    undated: dict[str, dict[str, str | None]] = {
-        "pdf": {"Creator": maker, "Producer": None, "CreationDate": None},
-        "png": {"Software": maker},
-    }
-    paths = []
-    for suffix, metadata in undated.items():
-        image = io.BytesIO()
-        figure.savefig(image, format=suffix, metadata=metadata)
-        path = folder / f"{name}.{suffix}"
-        paths.append(write_output(image.getvalue(), path, FIGURE[suffix]))
-    return paths
-
-
-def source_of(path: Path) -> str:
-    """Return the name of the results file that a PNG was drawn of; empty if it says none."""
-    with contextlib.suppress(OSError):
-        if path.is_file():  # to open a pipe is to wait
-            with path.open("rb") as file:
-                found = _PNG.search(file.read(ENDS))
-            return urllib.parse.unquote((found[1] or b"").decode("latin-1")) if found else ""
-    return ""
-
-
-_MADE = rb"roughbench(?:, of <([^>]*)>)?"
-_PDF = re.compile(rb"/Creator \(" + _MADE + rb"\)")
-_PNG = re.compile(rb"tEXtSoftware\0" + _MADE)
-FIGURE = {
-    "pdf": Kind("figure", lambda _, tail: _PDF.search(tail) is not None),
-    "png": Kind("figure", lambda head, _: _PNG.search(head) is not None),
-}
-"""By suffix."""

@@ -14,6 +14,7 @@ from roughbench.units.reading import (
     SI,
     Dimension,
     begins_with_number,
+    factor_to_si,
     is_quantity,
     to_si,
 )
@@ -25,6 +26,7 @@ __all__ = [
     "SI",
     "Dimension",
     "begins_with_number",
+    "factor_to_si",
     "in_words",
     "is_quantity",
     "prefix",

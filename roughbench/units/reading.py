@@ -149,6 +149,37 @@ def _unreadable(value: str, dimension: Dimension, example: str) -> str:
     return f"must be one number and its unit, such as '{example}', got {shown!r}"
 
 
+def factor_to_si(unit: str, target: str) -> float:
+    """Return what numbers in a unit are multiplied with to be in another of its dimension.
+
+    Parameters
+    ----------
+    unit : str
+        Such as "MPa/nm".
+    target : str
+        One of SI, such as "Pa/m".
+
+    Raises
+    ------
+    UnitError
+        If there is no such unit, or it is of another dimension.
+
+    Examples
+    --------
+    >>> factor_to_si("MPa/nm", "Pa/m"), factor_to_si("um", "m")
+    (1000000000000000.0, 1e-06)
+    """
+    import pint
+
+    try:
+        found = _registry().parse_units(unit[:_LONGEST])
+        return float(_registry().Quantity(Decimal(1), found).to(target).magnitude)
+    except pint.DimensionalityError:
+        raise UnitError(f"{unit!r} is no unit like {target}") from None
+    except (pint.PintError, ValueError, TypeError, ArithmeticError, AssertionError):
+        raise UnitError(f"{unit!r} is no unit that can be read") from None
+
+
 def begins_with_number(text: str) -> bool:
     """Return whether a text begins with a number that something follows.
 

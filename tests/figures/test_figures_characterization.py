@@ -55,7 +55,7 @@ def test_without_a_law_and_with_holes(tmp_path: Path) -> None:
 
 
 def test_what_cannot_be_a_picture_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(StoreError, match=r"\.png or \.pdf"):
+    with pytest.raises(StoreError, match=r"\.png, \.pdf or \.svg"):
         check_picture(tmp_path / "a.jpeg")
     (tmp_path / "a.png").write_bytes(b"mine")
     with pytest.raises(StoreError, match="choose another name"):
