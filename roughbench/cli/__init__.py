@@ -45,6 +45,7 @@ COMMANDS = (
     "plot",
     "export",
     "reproduce",
+    "bundle",
     "validate",
     "schema",
 )

@@ -15,10 +15,11 @@ from roughbench.runner.cleaning import clean
 from roughbench.runner.driver import run, run_to_file
 from roughbench.runner.dry_run import preview
 from roughbench.runner.inspection import RunState, status
+from roughbench.runner.origins import origins
 from roughbench.runner.overview import PlanRow
 from roughbench.runner.progress import Progress, ProgressListener
 from roughbench.runner.provenance import Account, accounts
-from roughbench.runner.reproduction import Reproduction, reproduce
+from roughbench.runner.reproduction import Reproduction, reproduce, spec_in
 from roughbench.runner.verification import verify
 from roughbench.system import available_cores
 
@@ -36,11 +37,13 @@ __all__ = [
     "clean",
     "folder_of",
     "make_sample",
+    "origins",
     "plan",
     "preview",
     "reproduce",
     "run",
     "run_to_file",
+    "spec_in",
     "status",
     "verify",
     "warnings",
