@@ -34,6 +34,7 @@ from roughbench.text import on_one_line, printable, suggestion
 
 COMMANDS = (
     "init",
+    "doctor",
     "characterize",
     "run",
     "status",
