@@ -56,6 +56,7 @@ LAYERS = (
     "figures",
     "__init__",
     "report",
+    "bundle",
     "cli",
     "__main__",
 )

@@ -34,6 +34,7 @@ from roughbench.text import on_one_line, printable, suggestion
 
 COMMANDS = (
     "init",
+    "doctor",
     "characterize",
     "run",
     "status",
@@ -45,6 +46,7 @@ COMMANDS = (
     "plot",
     "export",
     "reproduce",
+    "bundle",
     "validate",
     "schema",
 )

@@ -1,4 +1,4 @@
-"""``roughbench init``: a spec to start from, or a package with a model of one's own."""
+"""``roughbench init``: specs to start from, or a package with a model of one's own."""
 
 from __future__ import annotations
 
@@ -17,19 +17,32 @@ _MODEL = {
     "spec.yaml.txt": "{module}.yaml",
 }
 """Template → file of the package."""
+_SPECS = {
+    "spec": "spec.yaml.txt",
+    "synthetic": "spec.yaml.txt",
+    "scan": "scan.yaml.txt",
+    "cluster": "cluster.yaml.txt",
+}
+"""Kind → template of a spec; ``spec`` is what ``synthetic`` was called first."""
 
 
 @click.command(
     "init",
-    epilog=example("roughbench init rough", "roughbench init --template model mytheory"),
+    epilog=example(
+        "roughbench init rough",
+        "roughbench init --template scan plate",
+        "roughbench init --template model mytheory",
+    ),
 )
 @click.argument("name", required=False)
 @click.option(
     "--template",
-    type=click.Choice(["spec", "model"]),
+    type=click.Choice([*_SPECS, "model"]),
     default="spec",
     show_default=True,
-    help="A spec NAME.yaml; or a folder NAME with a model of one file, its test and a spec.",
+    help="A spec NAME.yaml: of surfaces with a given spectrum (synthetic, or spec), of a "
+    "measured scan, or for a cluster; or a folder NAME with a model of one file, its test and "
+    "a spec.",
 )
 @debug_option
 def command(name: str | None, template: str) -> None:
@@ -43,7 +56,7 @@ def command(name: str | None, template: str) -> None:
     from roughbench.models.registry import kinds
     from roughbench.publish import commit
 
-    name = name or {"spec": "spec", "model": "mytheory"}[template]
+    name = name or {"model": "mytheory"}.get(template, template)
     allowed = r"[A-Za-z][A-Za-z0-9_-]*" if template == "model" else r"[A-Za-z0-9][\w.+-]*"
     if not re.fullmatch(allowed, name, re.ASCII):
         raise click.BadParameter(
@@ -60,8 +73,8 @@ def command(name: str | None, template: str) -> None:
         "CLASS": "".join(part.capitalize() for part in module.split("_")),
     }
     folder = files("roughbench.cli") / "templates"
-    if template == "spec":
-        made = {Path(f"{name}.yaml"): folder / "spec.yaml.txt"}
+    if template in _SPECS:
+        made = {Path(f"{name}.yaml"): folder / _SPECS[template]}
     else:
         made = {
             Path(name, target.format(module=module)): folder / "model" / source

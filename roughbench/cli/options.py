@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import click
@@ -23,6 +24,7 @@ debug_option = click.option(
     help="Show the traceback of an error.",
 )
 
+json_option = click.option("--json", "as_json", is_flag=True, help="Everything, as JSON.")
 results_argument = click.argument("results", type=click.Path(path_type=Path))
 run_argument = click.argument("path", type=click.Path(path_type=Path), metavar="RESULTS")
 reference_option = click.option(
@@ -37,6 +39,26 @@ resamples_option = click.option(
     show_default=True,
     help="Draws of the realizations for the errors.",
 )
+
+
+def spec_source(path: Path) -> Path | str:
+    """Return a spec's path, or its text where it comes on standard input, as ``-``.
+
+    Raises
+    ------
+    SpecError
+        If what comes is not UTF-8.
+    """
+    if str(path) != "-":
+        return path
+    from roughbench.errors import Fault, SpecError
+
+    try:
+        text = sys.stdin.buffer.read().decode("utf-8-sig")
+    except UnicodeDecodeError:
+        message = "is not UTF-8 text; send it as UTF-8"
+        raise SpecError([Fault(message, source="standard input")]) from None
+    return text + "\n"  # a text has lines, a path has not
 
 
 def example(*lines: str) -> str:

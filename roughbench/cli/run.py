@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import time
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from roughbench.cli.options import debug_option, example
+from roughbench.cli.options import debug_option, example, json_option, spec_source
 from roughbench.program import command as command_line
 from roughbench.text import on_one_line
 
@@ -23,9 +25,10 @@ if TYPE_CHECKING:
         "roughbench run configs/quick.yaml",
         "roughbench run spec.yaml -j 2 -o h08.h5 --set surface.H=0.8",
         "roughbench run spec.yaml -n",
+        "roughbench run - -o rough.h5",
     ),
 )
-@click.argument("spec", type=click.Path(path_type=Path))
+@click.argument("spec", type=click.Path(path_type=Path, allow_dash=True))
 @click.option(
     "-o",
     "--output",
@@ -124,6 +127,7 @@ if TYPE_CHECKING:
 @click.option(
     "-v", "--verbose", is_flag=True, help="Show the log on stderr: a line for every task."
 )
+@json_option
 @debug_option
 @click.pass_obj
 def command(
@@ -134,9 +138,10 @@ def command(
     dry_run: bool,  # noqa: FBT001
     quiet: bool,  # noqa: FBT001
     verbose: bool,  # noqa: FBT001
+    as_json: bool,  # noqa: FBT001
     **options: Any,
 ) -> None:
-    """Compute what SPEC asks for, and is not there already.
+    """Compute what SPEC asks for, and is not there already; - reads it from standard input.
 
     Writes the results file and prints its path. Finished tasks are kept in its run directory,
     RESULTS.rbrun; after an interruption, a crash or a change of the spec the same command
@@ -149,7 +154,7 @@ def command(
     from roughbench.spec import load_spec
 
     start = time.monotonic()
-    loaded = load_spec(spec, options.pop("overrides"))
+    loaded = load_spec(spec_source(spec), options.pop("overrides"))
     target = output or Path(f"{loaded.name}.h5")
     engine = {name: options.pop(name) for name in _CLUSTER}
     cluster = None if engine["kind"] == "local" else Cluster(**engine)
@@ -163,6 +168,9 @@ def command(
             measuring=lambda text: None if quiet else click.echo(text, err=True),
             **options,
         )
+        if as_json:
+            click.echo(json.dumps([part.as_dict() for part in parts], indent=1))
+            return
         for part in parts:
             click.echo(on_one_line(str(part)))
         click.echo(_total([part.tasks for part in parts], sum(part.seconds for part in parts)))
@@ -183,6 +191,10 @@ def command(
         click.echo(_summary(models, target, time.monotonic() - start), err=True)
         for text in _without_fields(loaded):
             click.echo(text, err=True)
+    if as_json:
+        made = {"results": str(target), "models": [asdict(model) for model in models]}
+        click.echo(json.dumps(made, indent=1))
+        return
     click.echo(target)
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from roughbench.errors import RoughbenchError
 from roughbench.memory import available_memory, gigabytes
+from roughbench.models.base import Model
 from roughbench.planning.cells import NOTHING, Cell
 from roughbench.planning.tasks import Task
 from roughbench.system import available_cores
@@ -15,6 +16,8 @@ from roughbench.system import available_cores
 GRID_FOR_ALL_CORES = 1536
 """Points per side from which one task with all cores beats several with one each."""
 
+_LARGEST_GRID = 1 << 17
+"""Points per side that nobody asks for."""
 _PROCESS = 300 * 2**20
 """Bytes of a process with its libraries; measured: 260 MB."""
 _PER_POINT_OBSERVED = 60
@@ -155,6 +158,27 @@ def memory_of(task: Task) -> int:
     # Once as they come, once more in the block of the task and on the way to its shard.
     n_fields = sum(len(task.kept(realization)) for realization in task.realizations)
     return memory + 3 * n_fields * _PER_POINT_OF_FIELD * n_points
+
+
+def largest_grid(model: Model, memory: int) -> int:
+    """Return the points per side, a power of two, that a model of surfaces has the memory for.
+
+    Parameters
+    ----------
+    model : Model
+    memory : int
+        Bytes that a run may take.
+
+    Examples
+    --------
+    >>> from roughbench.models.winkler import Winkler
+    >>> largest_grid(Winkler(), 2**30)
+    2048
+    """
+    fitting, points = 0, 2
+    while points <= _LARGEST_GRID and _PROCESS + model.memory(points**2) <= memory:
+        fitting, points = points, 2 * points
+    return fitting
 
 
 def assembly_memory(cell: Cell) -> int:

@@ -12,35 +12,42 @@ from roughbench.planning.plan import check, plan, warnings
 from roughbench.planning.samples import make_sample
 from roughbench.rundir.folder import folder_of
 from roughbench.runner.cleaning import clean
+from roughbench.runner.doctor import Diagnosis, diagnose
 from roughbench.runner.driver import run, run_to_file
-from roughbench.runner.dry_run import preview
+from roughbench.runner.dry_run import TimeEstimate, preview
 from roughbench.runner.inspection import RunState, status
+from roughbench.runner.origins import origins
 from roughbench.runner.overview import PlanRow
 from roughbench.runner.progress import Progress, ProgressListener
 from roughbench.runner.provenance import Account, accounts
-from roughbench.runner.reproduction import Reproduction, reproduce
+from roughbench.runner.reproduction import Reproduction, reproduce, spec_in
 from roughbench.runner.verification import verify
 from roughbench.system import available_cores
 
 __all__ = [
     "Account",
     "Cluster",
+    "Diagnosis",
     "PlanRow",
     "Progress",
     "ProgressListener",
     "Reproduction",
     "RunState",
+    "TimeEstimate",
     "accounts",
     "available_cores",
     "check",
     "clean",
+    "diagnose",
     "folder_of",
     "make_sample",
+    "origins",
     "plan",
     "preview",
     "reproduce",
     "run",
     "run_to_file",
+    "spec_in",
     "status",
     "verify",
     "warnings",

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 from roughbench.engines.cluster import Cluster
-from roughbench.planning.resources import check_memory
+from roughbench.planning.resources import check_memory, memory_of
+from roughbench.planning.tasks import Task
 from roughbench.runner.overview import PlanRow, overview
 from roughbench.runner.preparation import prepare
 from roughbench.runner.scan import scan
@@ -57,7 +59,66 @@ def preview(
     tasks = select(cell_states, only, parts=run.limits.parts)
     if cluster is None:
         check_memory(tasks, run.limits)
+    return overview(cell_states, tasks, run.folder, _speeds(tasks, measuring))
+
+
+@dataclass(frozen=True, slots=True)
+class TimeEstimate:
+    """What a spec takes on this machine, if nothing of it is there.
+
+    Attributes
+    ----------
+    tasks : int
+    core_seconds : float
+        Time of one core that does nothing else.
+    seconds : float
+        By the clock, on all cores.
+    memory : int
+        Bytes of the largest task.
+    """
+
+    tasks: int
+    core_seconds: float
+    seconds: float
+    memory: int
+
+
+def estimate(spec: Source, *, measuring: Callable[[str], None] | None = None) -> TimeEstimate:
+    """Return what a spec takes on this machine.
+
+    By the clock it is the time of all tasks shared out over the cores, and at least that of
+    the longest; what starts, compiles and plans is left out.
+
+    Parameters
+    ----------
+    spec, measuring
+        As for :func:`preview`.
+
+    Raises
+    ------
+    SpecError, SurfaceError, RoughbenchError
+        As :func:`preview`.
+    """
+    run = prepare(spec, None, jobs=None)
+    tasks = select(scan(run.cells, run.limits, None), (), parts=run.limits.parts)
+    check_memory(tasks, run.limits)
+    speeds = _speeds(tasks, measuring)
+    seconds = [
+        speeds.slowness(task.cell.model) * 1e-6 * task.work * task.n_states for task in tasks
+    ]
+    longest = max(
+        (one / task.threads for one, task in zip(seconds, tasks, strict=True)), default=0.0
+    )
+    return TimeEstimate(
+        tasks=len(tasks),
+        core_seconds=sum(seconds),
+        seconds=max(sum(seconds) / run.limits.cores, longest),
+        memory=max(map(memory_of, tasks), default=0),
+    )
+
+
+def _speeds(tasks: Sequence[Task], measuring: Callable[[str], None] | None) -> Speeds:
     speeds = Speeds()
     if measuring is not None:
         speeds.measure([task.cell.model for task in tasks], measuring)
-    return overview(cell_states, tasks, run.folder, speeds)
+    return speeds

@@ -20,10 +20,11 @@ def origins(results: Path) -> dict[str, dict[str, str]]:
     Returns
     -------
     dict of str to dict of str to str
-        Model, such as ``main/bem`` → versions, processor, threads and code; empty where no run
-        directory stands beside the file.
+        Model, such as ``main/bem`` → versions, processor, threads and code; empty where the
+        run directory that it came from does not stand beside the file.
     """
-    found = RunFolder(results).provenance().get("models", {})
+    folder = RunFolder(results)
+    found = folder.provenance().get("models", {}) if folder.has_its_results() else {}
     return {str(name): dict(_origin(model)) for name, model in found.items()}
 
 

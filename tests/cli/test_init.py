@@ -5,6 +5,7 @@ from __future__ import annotations
 import runpy
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import roughbench as rb
@@ -24,6 +25,21 @@ def test_a_spec_to_start_from_is_valid(folder: Path, invoke: Invoke) -> None:
     assert "error: rough.yaml is there already; choose another name" in again.stderr
     (folder / "spec.yaml").symlink_to("nowhere")
     assert invoke("init").exit_code == 1
+
+
+@pytest.mark.parametrize(
+    ("template", "models"), [("synthetic", 3), ("scan", 6), ("cluster", 3)]
+)
+def test_every_spec_to_start_from_is_valid(
+    folder: Path, invoke: Invoke, template: str, models: int
+) -> None:
+    done = invoke("init", "--template", template)
+    assert (done.exit_code, done.stdout) == (0, f"{template}.yaml\n")
+    heights = np.random.default_rng(1).normal(size=(32, 32)).cumsum(0).cumsum(1)
+    np.savetxt(folder / "scan.txt", heights)
+    cells = plan(rb.load_spec(f"{template}.yaml"))
+    check(cells)
+    assert len(cells) == models
 
 
 def test_a_model_to_start_from_computes(folder: Path, invoke: Invoke) -> None:
@@ -56,7 +72,7 @@ def test_a_model_to_start_from_computes(folder: Path, invoke: Invoke) -> None:
         (("../x",), "NAME: must have letters"),
         (("--template", "model", "1st"), "NAME: must have letters"),
         (("--template", "model", "persson"), "there is a model 'persson' already"),
-        (("--template", "modle"), "is not one of 'spec', 'model'"),
+        (("--template", "modle"), "is not one of 'spec', 'synthetic', 'scan'"),
     ],
 )
 def test_names_that_will_not_do(
