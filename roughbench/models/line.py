@@ -37,7 +37,11 @@ from roughbench.models._checks import checked_length
 from roughbench.models._grids import GridOption
 from roughbench.models.base import FloatArray, Model, Needs, Sample, State
 from roughbench.models.halfspace.memory import needed
-from roughbench.models.halfspace.options import PrecisionOption, ToleranceOption
+from roughbench.models.halfspace.options import (
+    CorrectionOption,
+    PrecisionOption,
+    ToleranceOption,
+)
 from roughbench.models.style import Style
 
 
@@ -87,15 +91,16 @@ class Line(Model):
     points_per_wave: ClassVar[int] = 16
     fewest_points_per_wave: ClassVar[float] = 4.0
     has_fields: ClassVar[bool] = True
+    later: ClassVar[tuple[str, ...]] = ("correction",)
 
     kind: Literal["line"] = "line"
     points: GridOption = Field(
         default=None,
-        description="Points on the line; default: 16 on the shortest wavelength. The area "
-        "is counted in points, and too large by a fifth of one at each edge of a contact.",
+        description="Points on the line; default: 16 on the shortest wavelength.",
     )
     tolerance: ToleranceOption = 1e-6
     precision: PrecisionOption = "mixed"
+    correction: CorrectionOption = "perimeter"
 
     def memory(self, n_points: int) -> int:
         """Estimate the bytes of a sample: its heights, and what the solver counts."""
@@ -135,6 +140,7 @@ class Line(Model):
             length=sample.length,
             tolerance=self.tolerance,
             precision=self.precision,
+            correction=self.correction,
             threads=threads,
         )
         for state in states:

@@ -33,7 +33,11 @@ from roughbench.models.halfspace.gap_form import GapSpace
 from roughbench.models.halfspace.kernel import HALF_SPACE, Kernel
 from roughbench.models.halfspace.loops import NEVER_FREE, gap, tiles
 from roughbench.models.halfspace.options import Correction
-from roughbench.models.halfspace.perimeter import corrected_area, count_edges
+from roughbench.models.halfspace.perimeter import (
+    corrected_area,
+    corrected_width,
+    count_edges,
+)
 from roughbench.models.halfspace.plastic import (
     BoundedEvaluator,
     bounded_cold_start,
@@ -498,18 +502,16 @@ class Solver:
         return WorkingSet.under_pressure(points.height, points.rows, points.tiles, p)
 
     def area(self, points: WorkingSet, correction: Correction) -> tuple[float, float]:
-        """A/A0, corrected for the perimeter or not, and points in contact / all points.
-
-        Lines are not corrected.
-        """
-        if correction == "none" or self.heights.shape[0] == 1:
+        """A/A0, corrected for the perimeter or not, and points in contact / all points."""
+        if correction == "none":
             raw = points.n_contact / self.size
             return raw, raw
         scratch = self._workspace(double=points.p.dtype == np.float64).scratch
         contact, free = count_edges(
             *(points, self._heights.surface, scratch, self.team, self.kernel, self.hardness)
         )
-        return corrected_area(contact, free, self.kernel) / self.size, contact / self.size
+        corrected = corrected_width if self.heights.shape[0] == 1 else corrected_area
+        return corrected(contact, free, self.kernel) / self.size, contact / self.size
 
     def dense(self, solution: Solution) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Pressure and gap of a state as float64 fields, dimensionless."""

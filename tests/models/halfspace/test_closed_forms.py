@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.special import sici
 
 from roughbench.models.base import Status
 from roughbench.models.halfspace.contact import ContactState, solve_contact
+from roughbench.models.halfspace.perimeter import edge_excess
 
 if TYPE_CHECKING:
     from tests.models.halfspace.conftest import Reference, Rough
@@ -22,10 +24,18 @@ HEIGHT = 0.01
 TIGHT = 1e-11
 
 
-def solve(heights: FloatArray, pressure: float, length: float = 1.0) -> ContactState:
+def solve(
+    heights: FloatArray, pressure: float, length: float = 1.0, screening: float = 0.0
+) -> ContactState:
     """Solve far below the error of the grid."""
     state = solve_contact(
-        heights, pressure, length=length, tolerance=TIGHT, precision="double", threads=1
+        heights,
+        pressure,
+        length=length,
+        tolerance=TIGHT,
+        precision="double",
+        threads=1,
+        screening=screening,
     )
     assert state.status is Status.CONVERGED
     return state
@@ -114,12 +124,14 @@ def test_westergaard_converges_with_its_order(
 
 @pytest.mark.parametrize("ratio", [0.01, 0.1, 0.3, 0.7, 0.9, 0.99])
 def test_westergaard_at_other_pressures(ratio: float) -> None:
-    """Where the edges fall between two points, A is off by 1.5 points at most."""
+    """Where the edges fall between two points, A is off by a point at most."""
     n = 2048
     exact = Westergaard(ratio)
     state = solve(wave(n), ratio * exact.full)
-    assert abs(state.area_fraction - exact.area) <= 1.5 / n
-    assert state.area_fraction == state.area_fraction_raw  # a line is not corrected
+    assert abs(state.area_fraction_raw - exact.area) <= 1.5 / n
+    assert abs(state.area_fraction - exact.area) <= 1.0 / n + 1e-9
+    excess = (state.area_fraction_raw - state.area_fraction) * n
+    assert excess == pytest.approx(2 * edge_excess(), rel=1e-9)
     assert state.mean_separation == pytest.approx(exact.separation, abs=3e-6 * HEIGHT)
     assert state.energy == pytest.approx(exact.energy, rel=2e-5)
     # K follows the contact set: dK/K = dA/A · O(1) below, and · 1/(1 − A) near full contact.
@@ -127,21 +139,44 @@ def test_westergaard_at_other_pressures(ratio: float) -> None:
     assert state.stiffness() == pytest.approx(exact.stiffness, rel=2 * node)
 
 
-def test_grid_points_overcount_a_line_by_a_fifth_of_a_point_an_edge() -> None:
-    """The mean over all positions of the crest between two points, at any pressure.
+def shifted(n: int, pressure: float, screening: float, count: int) -> FloatArray:
+    """A/A0 of a wave in points, and corrected, at positions between two points, (count, 2)."""
+    found = []
+    for offset in (np.arange(count) + 0.5) / count / n:
+        line = HEIGHT * np.cos(2 * math.pi * (np.arange(n) / n - offset))
+        state = solve(line, pressure, screening=screening)
+        found.append((state.area_fraction_raw, state.area_fraction))
+    return np.array(found)
 
-    Found: 0.36 to 0.41 points for the two edges at n = 128 to 2048. It is why A of a
-    line, which is not corrected, converges from above.
+
+@pytest.mark.parametrize(
+    ("screening", "pressure", "expected"), [(0.0, 0.3 * math.pi, 0.190), (64.0, 9.0, 0.152)]
+)
+def test_the_edges_of_a_line_count_as_many_points_too_many_as_theory_says(
+    screening: float, pressure: float, expected: float
+) -> None:
+    """The mean over 40 positions of the crest, known to half of 1/40 points an edge.
+
+    With screening against a line of 32 times as many points, where an edge counts 0.189.
     """
-    n, exact = 256, Westergaard(0.3)
-    offsets = (np.arange(16) + 0.5) / 16 / n
-    states = [
-        solve(HEIGHT * np.cos(2 * math.pi * (np.arange(n) / n - offset)), 0.3 * exact.full)
-        for offset in offsets
-    ]
-    excess = np.array([(state.area_fraction - exact.area) * n for state in states])
-    assert 0.3 < excess.mean() < 0.5
-    assert np.abs(excess).max() <= 1.5
+    n, area = 64, Westergaard(0.3).area
+    if screening:
+        area = float(shifted(2048, pressure * HEIGHT, screening, 2)[:, 1].mean())
+    raw, corrected = shifted(n, pressure * HEIGHT, screening, 40).T
+    assert edge_excess(screening / n) == pytest.approx(expected, abs=1e-3)
+    assert (raw.mean() - area) * n / 2 == pytest.approx(expected, abs=0.0125)
+    assert (corrected.mean() - area) * n / 2 == pytest.approx(0.0, abs=0.0125)
+
+
+def test_the_excess_of_an_edge_is_its_integral() -> None:
+    """Against the coefficients of ln S+ and Si, summed with the tail of an alternating series:
+    μ = 1/4 - (1/π) Σ [Si(nπ) - π/2]."""  # noqa: D209, D205
+    n = np.arange(1, 4001)
+    terms = sici(n * math.pi)[0] - math.pi / 2
+    sums = np.cumsum(terms)
+    assert edge_excess() == pytest.approx(0.25 - (sums[-2] + sums[-1]) / 2 / math.pi, abs=1e-7)
+    assert edge_excess(1e-9) == pytest.approx(edge_excess(), abs=1e-7)
+    assert edge_excess(1e4) == pytest.approx(0.5e-4, rel=1e-3)  # springs: nearly none
 
 
 def test_a_wavy_surface_is_the_wavy_line(rng: np.random.Generator) -> None:
