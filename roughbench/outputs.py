@@ -13,6 +13,7 @@ import stat
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import IO
 
 from roughbench.errors import StoreError, explained
 from roughbench.publish import commit, temporary_of
@@ -121,7 +122,11 @@ def _check_target(given: Path, target: Path, kind: Kind, inputs: Iterable[Output
         raise _refusal(given, "it is a folder; give a file name in it")
     if not stat.S_ISREG(status.st_mode):
         raise _refusal(given, "it is no regular file; choose another name")
-    if status.st_size and not kind.is_one(*_ends(target, status.st_size)):
+    if status.st_size == 0:
+        return
+    with target.open("rb") as file:
+        ends = both_ends(file)
+    if not kind.is_one(*ends):
         raise _refusal(
             given,
             f"it exists, and is no {kind.name} that roughbench wrote; choose another name, or "
@@ -159,8 +164,8 @@ def _status(path: Path) -> os.stat_result | None:
         return None
 
 
-def _ends(path: Path, size: int) -> tuple[bytes, bytes]:
-    with path.open("rb") as file:
-        head = file.read(ENDS)
-        file.seek(max(0, size - ENDS))
-        return head, file.read(ENDS)
+def both_ends(file: IO[bytes]) -> tuple[bytes, bytes]:
+    """Return the first and the last bytes of a file, for :attr:`Kind.is_one`."""
+    head = file.read(ENDS)
+    file.seek(max(0, file.seek(0, os.SEEK_END) - ENDS))
+    return head, file.read(ENDS)

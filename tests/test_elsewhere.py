@@ -65,6 +65,9 @@ def test_a_run_on_a_system_that_lacks_what_linux_has(
     monkeypatch.setenv("ROUGHBENCH_FFT", "scipy")
     ours = rb.run(SPEC, threads=1, jobs=1)["main"]
     assert list(there) == list(ours)
+    assert there["bem"].made_with["fft"] == "scipy"
+    assert there["bem"].made_with["threads"] == 1
+    assert "fft" not in there["foundation"].made_with  # which transforms nothing
     for label, model in ours.items():
         for name in model:
             np.testing.assert_array_equal(there[label][name], model[name])

@@ -17,7 +17,12 @@ def to_json(results: Results) -> Iterator[str]:
     Infinities become the strings "inf" and "-inf", nan becomes null; all other numbers
     carry their full precision. No piece is longer than a row of an array.
     """
-    head = {"name": results.name, "spec": results.spec_text, "spec_sha256": results.spec_sha256}
+    head = {
+        "name": results.name,
+        "spec": results.spec_text,
+        "spec_sha256": results.spec_sha256,
+        "made_with": dict(results.made_with),
+    }
     yield "{\n"
     yield from (f" {_json(key)}: {_json(value)},\n" for key, value in head.items())
     yield ' "experiments": {'
@@ -38,6 +43,7 @@ def _model_as_json(result: ModelResult) -> Iterator[str]:
         "n_unconverged": result.n_unconverged,
         "attributes": {name: _json_number(value) for name, value in result.attributes.items()},
         "units": {name: result.units(name) for name in result},
+        "made_with": dict(result.made_with),
     }
     yield "{\n"
     yield from (f"    {_json(key)}: {_json(value)},\n" for key, value in head.items())

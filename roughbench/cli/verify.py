@@ -18,7 +18,8 @@ from roughbench.cli.options import debug_option, example, json_option, run_argum
 def command(ctx: click.Context, path: Path, as_json: bool) -> None:  # noqa: FBT001
     """Check the files that the run of RESULTS has written.
 
-    Reads every shard and the results file. Changes nothing; the next run sets damaged shards
+    Reads every shard and the results file; where the run directory is not there, the results
+    file alone. Changes nothing; the next run sets damaged shards
     aside and computes them again. The exit code is 1 if anything is damaged.
     """
     from roughbench.cli import EXIT_FAILED

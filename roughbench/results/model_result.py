@@ -43,6 +43,10 @@ class ModelResult:
     described : mapping of str to (str, str)
         Unit and description of variables that only their file knows: those of packages that
         are not installed.
+    made_with : mapping of str to str or int
+        What its states were computed with: versions by package, ``python``, ``platform``,
+        ``code``, and ``fft`` and ``threads`` where numbers depend on them. Empty where a file
+        of an earlier version does not say.
     """
 
     label: str
@@ -51,6 +55,7 @@ class ModelResult:
     attributes: Mapping[str, Attribute]
     variables: Mapping[str, Array]
     described: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    made_with: Mapping[str, str | int] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> Array:
         if name not in self.variables:

@@ -59,6 +59,8 @@ class Results(Mapping[str, Mapping[str, ModelResult]]):
         Name of the run.
     surfaces : mapping of str to SurfaceRecord
         By experiment: the measured surface that it pressed, of those that pressed one.
+    made_with : mapping of str to str or int
+        What the file was put together with: as :attr:`ModelResult.made_with`.
     """
 
     experiments: Mapping[str, Mapping[str, ModelResult]]
@@ -66,6 +68,7 @@ class Results(Mapping[str, Mapping[str, ModelResult]]):
     spec_sha256: str
     name: str = ""
     surfaces: Mapping[str, SurfaceRecord] = field(default_factory=dict)
+    made_with: Mapping[str, str | int] = field(default_factory=dict)
 
     def __getitem__(self, experiment: str) -> Mapping[str, ModelResult]:
         if experiment not in self.experiments:

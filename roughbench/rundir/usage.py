@@ -11,9 +11,9 @@ from dataclasses import asdict, dataclass
 from importlib import metadata
 from typing import Any
 
-from roughbench.system import peak_memory, processor, restart_peak_memory
+from roughbench.system import kind_of_platform, peak_memory, processor, restart_peak_memory
 
-_PACKAGES = ("roughbench", "numpy", "scipy", "numba", "pyfftw", "h5py")
+PACKAGES = ("roughbench", "numpy", "scipy", "numba", "pyfftw", "h5py")
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +72,7 @@ def now() -> str:
 def machine() -> dict[str, str]:
     """Return host, processor, system, and the versions of what the numbers come from."""
     versions = {"python": platform.python_version()}
-    for package in _PACKAGES:
+    for package in PACKAGES:
         with contextlib.suppress(metadata.PackageNotFoundError):
             versions[package] = metadata.version(package)
     return {
@@ -80,4 +80,5 @@ def machine() -> dict[str, str]:
         "cpu": processor(),
         "cores": str(os.cpu_count()),
         "system": platform.platform(),
+        "platform": kind_of_platform(),
     } | versions

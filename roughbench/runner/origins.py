@@ -9,6 +9,7 @@ from typing import Any
 from roughbench.results import ModelResult, Results
 from roughbench.rundir.folder import RunFolder
 from roughbench.rundir.identity import changes
+from roughbench.store import opened
 
 _NOT_ORIGINS = {"host", "cores"}
 """What numbers do not depend on."""
@@ -20,12 +21,24 @@ def origins(results: Path) -> dict[str, dict[str, str]]:
     Returns
     -------
     dict of str to dict of str to str
-        Model, such as ``main/bem`` → versions, processor, threads and code; empty where the
-        run directory that it came from does not stand beside the file.
+        Model, such as ``main/bem`` → versions, processor, threads and code; where the
+        run directory that it came from does not stand beside the file, what the file says
+        itself, which may be nothing.
     """
     folder = RunFolder(results)
     found = folder.provenance().get("models", {}) if folder.has_its_results() else {}
-    return {str(name): dict(_origin(model)) for name, model in found.items()}
+    if found:
+        return {str(name): dict(_origin(model)) for name, model in found.items()}
+    with opened(results) as alone:
+        said = {
+            f"{experiment}/{result.label}": result.made_with
+            for experiment, result in alone.models()
+        }
+    return {
+        name: {key: str(value) for key, value in made_with.items()}
+        for name, made_with in said.items()
+        if made_with
+    }
 
 
 def _origin(model: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
@@ -36,13 +49,16 @@ def _origin(model: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             values = dict.fromkeys(str(machine.get(name, "unknown")) for machine in machines)
             yield name, " and ".join(values)
     yield "threads", str(model.get("threads", "unknown"))
-    yield "code", str(model.get("identity", {}).get("code", "unknown"))
+    identity = model.get("identity", {})
+    yield "code", str(identity.get("code", "unknown"))
+    if "fft" in identity:
+        yield "fft", str(identity["fft"])
 
 
 def differences(
     old: Mapping[str, Mapping[str, str]], new: Mapping[str, Mapping[str, str]]
 ) -> list[str]:
-    """Return what differs between the origins of the same models, a line each.
+    """Return what differs of what both origins of the same models say, a line each.
 
     Examples
     --------
@@ -54,7 +70,12 @@ def differences(
     found: dict[str, list[str]] = {}
     shared = [name for name in new if name in old]
     for model in shared:
-        for line in changes(old[model], new[model]):
+        known = old[model].keys() & new[model].keys()
+        before, after = (
+            {name: value for name, value in one.items() if name in known}
+            for one in (old[model], new[model])
+        )
+        for line in changes(before, after):
             is_code = line.startswith("code: ")  # digests say nothing to people
             found.setdefault("code: another" if is_code else line, []).append(model)
     return [

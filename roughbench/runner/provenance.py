@@ -13,6 +13,7 @@ from typing import Any
 from roughbench.rundir.folder import RunFolder
 from roughbench.rundir.identity import assembly_digest
 from roughbench.rundir.usage import machine, now
+from roughbench.runner.made_with import written_with
 from roughbench.runner.scan import CellState
 from roughbench.spec import Spec
 
@@ -60,6 +61,7 @@ def inputs_of(spec: Spec, cell_states: Sequence[CellState]) -> str:
     that puts them together.
     """
     content = [spec.text, spec.name, spec.sha256, assembly_digest()]
+    content += [f"{name} {value}" for name, value in written_with().items()]
     for cell_state in cell_states:
         content += [str(cell_state.cell), cell_state.key]
         content += sorted(shard.path.name for shard in cell_state.shards)

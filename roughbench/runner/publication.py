@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from roughbench.outputs import check_output
 from roughbench.publish import put, refusals_named
@@ -11,6 +12,7 @@ from roughbench.results import MadeWhenAsked, ModelResult, Results
 from roughbench.rundir.folder import RunFolder
 from roughbench.rundir.journal import log
 from roughbench.runner.assemble import assemble
+from roughbench.runner.made_with import made_with, written_with
 from roughbench.runner.preparation import kind_of_results
 from roughbench.runner.provenance import inputs_of, provenance, spent
 from roughbench.runner.recording import records
@@ -33,11 +35,14 @@ def results_of(spec: Spec, cell_states: Sequence[CellState], *, kept: bool = Tru
         spec.sha256,
         spec.name,
         records([cell_state.cell for cell_state in cell_states]),
+        written_with(),
     )
 
 
 def _model_result(cell_state: CellState) -> ModelResult:
-    result = assemble(cell_state.cell, cell_state.collect())
+    result = replace(
+        assemble(cell_state.cell, cell_state.collect()), made_with=made_with(cell_state)
+    )
     cell_state.blocks.clear()  # they are in the result now
     total = spent(cell_state.usages)
     log.debug(

@@ -9,12 +9,13 @@ file stands the checksum of its bytes.
 from __future__ import annotations
 
 from roughbench.results import ModelResult, Results
-from roughbench.store.format import FORMAT_VERSION, RESULTS, RESULTS_OR_STUMP
+from roughbench.store.format import FORMAT_VERSION, HDF5_SIGNATURE, RESULTS, RESULTS_OR_STUMP
 from roughbench.store.reading import load, opened, whose
 from roughbench.store.writing import image, write_results, written_results
 
 __all__ = [
     "FORMAT_VERSION",
+    "HDF5_SIGNATURE",
     "RESULTS",
     "RESULTS_OR_STUMP",
     "ModelResult",

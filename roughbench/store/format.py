@@ -16,6 +16,10 @@ FORMAT = "roughbench"
 FORMAT_VERSION = 2
 """2: with dimensions beside realization and pressure. Files without any are written as 1,
 which older versions read."""
+MADE_WITH = "made_with"
+"""Attribute that says with what the file, or a group, was made: a mapping as JSON. One only: of
+more than eight attributes HDF5 keeps the names far from the beginning of the file, where
+:func:`is_results` looks for them."""
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _ATTRIBUTES = (b"format_version", b"spec_sha256")
 _END_ADDRESS = slice(28, 36)

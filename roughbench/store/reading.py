@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import json
 import math
 import os
 from collections.abc import Iterator, Mapping
@@ -22,7 +23,7 @@ from roughbench.store.checks import (
     read_attribute,
     rerun_hint,
 )
-from roughbench.store.format import FORMAT, FORMAT_VERSION, check_shapes
+from roughbench.store.format import FORMAT, FORMAT_VERSION, MADE_WITH, check_shapes
 from roughbench.surface_record import DESCRIBED, PREFIX, SurfaceRecord
 from roughbench.text import on_one_line, printable
 from roughbench.variables import STORABLE, is_known
@@ -56,6 +57,7 @@ def load(path: str | os.PathLike[str]) -> Results:
             results.spec_sha256,
             results.name,
             results.surfaces,
+            results.made_with,
         )
 
 
@@ -161,9 +163,26 @@ def _read_root(file: h5py.File, source: Path) -> Results:
     text, sha256, name = (
         str(read_attribute(file, key, budget)) for key in ("spec", "spec_sha256", "name")
     )
+    said = read_attribute(file, MADE_WITH, budget) if MADE_WITH in file.attrs else "{}"
     return Results(
-        experiments, printable(text), on_one_line(sha256), on_one_line(name), surfaces
+        experiments,
+        printable(text),
+        on_one_line(sha256),
+        on_one_line(name),
+        surfaces,
+        _making(said),
     )
+
+
+def _making(said: str | int | float) -> dict[str, str | int]:
+    """Return what the file, or a group, says of its making."""
+    found = json.loads(str(said))
+    if not isinstance(found, dict):
+        raise ValueError(f"{MADE_WITH} is no mapping")
+    return {
+        on_one_line(name): value if isinstance(value, int) else on_one_line(str(value))
+        for name, value in found.items()
+    }
 
 
 def _read_model(
@@ -175,6 +194,7 @@ def _read_model(
         value = read_attribute(group, name, budget)
         attributes[name] = on_one_line(value) if isinstance(value, str) else value
     kind, title = str(attributes.pop("kind")), str(attributes.pop("title"))
+    making = attributes.pop(MADE_WITH, "{}")
     modulus = attributes.get(MODULUS, 1.0)
     if not isinstance(modulus, float) or not 0.0 < modulus < math.inf:
         raise ValueError(f"{group.name} has the {MODULUS} {modulus!r}")
@@ -207,7 +227,13 @@ def _read_model(
     for index in ("realization", "field"):
         variables.pop(index, None)
     result = ModelResult(
-        label, kind, title, attributes, _Stored(variables, budget.source), described
+        label,
+        kind,
+        title,
+        attributes,
+        _Stored(variables, budget.source),
+        described,
+        _making(making),
     )
     if not recorded:
         return result, None

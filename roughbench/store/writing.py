@@ -9,8 +9,9 @@ from __future__ import annotations
 import contextlib
 import io
 import itertools
+import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import IO
 
@@ -25,7 +26,7 @@ from roughbench.results import Array, ModelResult, Results
 from roughbench.seal import seal_file
 from roughbench.signals import signals_held_back
 from roughbench.sink import Sink
-from roughbench.store.format import FORMAT, FORMAT_VERSION, RESULTS, check_shapes
+from roughbench.store.format import FORMAT, FORMAT_VERSION, MADE_WITH, RESULTS, check_shapes
 from roughbench.surface_record import DESCRIBED, SurfaceRecord
 from roughbench.variables import STORABLE, dimensions
 
@@ -97,6 +98,7 @@ def write_file(results: Results, target: IO[bytes]) -> None:
                 file.attrs["name"] = results.name
                 file.attrs["spec"] = results.spec_text
                 file.attrs["spec_sha256"] = results.spec_sha256
+                _write_making(file, results.made_with)
             for experiment, models in results.experiments.items():
                 with signals_held_back():
                     parent = _create_group(file, experiment)
@@ -173,6 +175,7 @@ def _write_model(group: h5py.Group, result: ModelResult, sink: Sink) -> int:
     group.attrs["title"] = result.title
     for name, value in result.attributes.items():
         group.attrs[name] = value
+    _write_making(group, result.made_with)
     # Each dataset stays open until the next is made: the layout of the file depends on that.
     for name, values in _with_scales(result).items():
         axes = dimensions(name, values.ndim)
@@ -190,6 +193,11 @@ def _write_model(group: h5py.Group, result: ModelResult, sink: Sink) -> int:
     group["status"].attrs["flag_values"] = np.array([int(s) for s in Status], np.int32)
     group["status"].attrs["flag_meanings"] = " ".join(s.name.lower() for s in Status)
     return _version(result)
+
+
+def _write_making(group: h5py.Group, made_with: Mapping[str, str | int]) -> None:
+    if made_with:
+        group.attrs[MADE_WITH] = json.dumps(dict(made_with))
 
 
 def _write_surface(group: h5py.Group, record: SurfaceRecord, sink: Sink) -> None:
