@@ -29,6 +29,7 @@ LAYERS = (
     "memory",
     "inputs",
     "labelled",
+    "neighbours",
     "publish",
     "outputs",
     "seal",
