@@ -47,6 +47,7 @@ LAYERS = (
     "variables",
     "surface_record",
     "results",
+    "field_files",
     "fits",
     "verdict",
     "store",
