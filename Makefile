@@ -18,7 +18,7 @@ PARALLEL := -n $(JOBS) --dist worksteal
 .PHONY: help demo units test test-all test-minimum lint smoke fig1 fig2 fig3 fig4 figures paper-fig3 \
 	paper-fig4 paper-bem study study-contenders \
 	study-fields study-size study-rolloff study-below study-hurst study-cutoff \
-	study-resolution compare compare-tamaas compare-scans outside-model preparation faults \
+	study-resolution compare compare-tamaas compare-conventions compare-scans outside-model preparation faults \
 	hard bench \
 	readme-figures dist dist-check clean distclean setup setup-dev python
 
@@ -127,6 +127,9 @@ compare: setup ## the models against an independent prototype's numbers
 
 compare-tamaas: setup ## the exact solver against Tamaas, in an environment of its own
 	$(BIN)/python scripts/compare_tamaas.py
+
+compare-conventions: setup ## each line of docs/conventions.md against the code that it is about
+	$(BIN)/python scripts/compare_conventions.py
 
 compare-scans: setup-dev ## what is read from the topographies in FOLDER, against SurfaceTopography
 	@test -n "$(FOLDER)" || { echo "error: say which folder: make compare-scans" \

@@ -78,6 +78,7 @@ from roughbench.errors import (
 from roughbench.public import LAZY
 
 if TYPE_CHECKING:
+    from roughbench.field_files import save_fields
     from roughbench.figures import plot
     from roughbench.models.base import Curve, Model, Sample, State, Status
     from roughbench.models.halfspace.contact import solve_contact, solve_curve
@@ -125,6 +126,7 @@ __all__ = [
     "read_scan",
     "realization_generator",
     "run",
+    "save_fields",
     "self_affine",
     "solve_contact",
     "solve_curve",

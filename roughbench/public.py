@@ -30,6 +30,7 @@ LAZY: Mapping[str, str] = {
     "read_scan": "roughbench.scans.topography",
     "realization_generator": "roughbench.surface",
     "run": "roughbench.runner",
+    "save_fields": "roughbench.field_files",
     "self_affine": "roughbench.spectrum",
     "solve_contact": "roughbench.models.halfspace.contact",
     "solve_curve": "roughbench.models.halfspace.contact",

@@ -87,7 +87,7 @@ def command(
     formats: tuple[str, ...],
     style: str,
 ) -> None:
-    """Draw the figures of RESULTS as PDF and PNG, or in other formats.
+    """Draw the figures of RESULTS as PDF, PNG or SVG.
 
     All that they have the data for, if no --figure is given. Prints the paths of the files.
     """
