@@ -65,6 +65,7 @@ def shell_lines() -> Iterator[tuple[Path, str]]:
                 yield page, line
 
 
+OTHERS = {"python", "pip", "git", "cd", "pipx", "docker", "apptainer", "rattler-build"}
 LINES = [pytest.param(line, id=f"{name(page)}: {line}") for page, line in shell_lines()]
 
 
@@ -72,9 +73,7 @@ LINES = [pytest.param(line, id=f"{name(page)}: {line}") for page, line in shell_
 def test_a_documented_line_can_be_run(line: str) -> None:
     words = shlex.split(line.partition(" > ")[0], comments=True)
     for word in words:
-        if word.startswith("configs/"):
-            assert (ROOT / word).is_file()
-        if word.startswith("scripts/"):
+        if word.startswith(("configs/", "packaging/", "scripts/")):
             assert (ROOT / word).is_file()
     if words[:1] == ["make"]:
         assert set(words[1:]) <= TARGETS
@@ -83,7 +82,7 @@ def test_a_documented_line_can_be_run(line: str) -> None:
         # Parses the arguments without running the command.
         command(words[1]).make_context(words[1], words[2:])
     else:
-        assert words[:1] in (["python"], ["pip"], ["git"], ["cd"]), "what should this run?"
+        assert words[0] in OTHERS, "what should this run?"
 
 
 @pytest.mark.parametrize("word", COMMANDS)
