@@ -18,7 +18,7 @@ PARALLEL := -n $(JOBS) --dist worksteal
 .PHONY: help demo units test test-all test-minimum lint smoke fig1 fig2 fig3 fig4 figures paper-fig3 \
 	paper-fig4 paper-bem study study-contenders \
 	study-fields study-size study-rolloff study-below study-hurst study-cutoff \
-	study-resolution compare compare-tamaas compare-conventions compare-scans outside-model preparation faults \
+	study-resolution compare compare-tamaas compare-conventions compare-scans notebooks outside-model preparation faults \
 	hard bench \
 	readme-figures dist dist-check clean distclean setup setup-dev python
 
@@ -119,6 +119,9 @@ lint: setup-dev ## ruff and mypy
 smoke: setup ## every command once, on tiny grids
 	PATH="$(CURDIR)/$(BIN):$$PATH" sh scripts/smoke.sh
 
+notebooks: .venv/ready-notebooks ## the notebooks of examples/, run into build/notebooks; a minute or two
+	$(BIN)/python scripts/run_notebooks.py build/notebooks
+
 outside-model: setup ## a model of one's own, from init to the report, in a fresh environment
 	sh scripts/check_outside_model.sh $(BIN)/python
 
@@ -176,6 +179,10 @@ setup-dev: python .venv/ready-dev
 
 .venv/ready-dev: .venv/ready
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	@touch $@
+
+.venv/ready-notebooks: .venv/ready
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[notebooks]'
 	@touch $@
 
 python:

@@ -90,6 +90,18 @@ def test_the_notebook(monkeypatch: pytest.MonkeyPatch) -> None:
     names["plt"].close(names["figure"])
 
 
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.ipynb")), ids=lambda path: path.stem)
+def test_notebooks_are_kept_without_output(path: Path) -> None:
+    """They run in CI: make notebooks."""
+    notebook = json.loads(path.read_text(encoding="utf-8"))
+    for cell in notebook["cells"]:
+        assert cell["cell_type"] in ("markdown", "code")
+        if cell["cell_type"] == "code":
+            assert (cell["outputs"], cell["execution_count"]) == ([], None)
+            compile("".join(cell["source"]), path.name, "exec")  # no magic: plain Python
+    assert notebook["metadata"]["kernelspec"]["name"] == "python3"
+
+
 def test_all_of_them_are_listed() -> None:
     page = (EXAMPLES / "README.md").read_text(encoding="utf-8")
     names = {path.name for path in EXAMPLES.iterdir() if path.name != "README.md"}

@@ -209,6 +209,10 @@ def plot(
         if not canvas.panels:
             raise StoreError(f"the figure {name!r} makes panels of its own; leave out ax")
         return ax
+    import matplotlib.pyplot as plt
+
+    # Loads the backend, whose settings are the caller's, not ours.
+    plt.draw_if_interactive()  # type: ignore[no-untyped-call]
     with publication_style(Path(style) if style else ""):
         with drawing_on(canvas):
             figure = _asked(recipe.draw, name, results)

@@ -202,7 +202,7 @@ def legend_above(figure: Figure, handles: list[Artist], room: float = 0.9) -> No
     """
     axes = _given()
     if axes is not None:
-        axes.legend(handles=handles)
+        axes.legend(handles=handles, loc="upper right" if axes.child_axes else "best")
         return
     for columns in (4, 3, 2, 1):
         legend = figure.legend(handles=handles, loc="outside upper center", ncols=columns)

@@ -68,6 +68,10 @@ def test_a_panel_that_is_there_gets_the_same_curves(one: Results, name: str) -> 
     assert dict(mpl.rcParams) == before
     if name != "area":
         assert "rms height of the spectrum" in drawn.get_xlabel()
+    if drawn.child_axes:  # the legend leaves the inset free
+        figure.canvas.draw()
+        inset = drawn.child_axes[0].get_window_extent()
+        assert not inset.overlaps(legend.get_window_extent())
 
 
 def test_other_figures_of_one_panel(computed: Results, observed: Results) -> None:
