@@ -20,7 +20,7 @@ PARALLEL := -n $(JOBS) --dist worksteal
 	study-fields study-size study-rolloff study-below study-hurst study-cutoff \
 	study-resolution compare compare-tamaas compare-conventions compare-scans notebooks outside-model preparation faults \
 	hard bench \
-	readme-figures dist dist-check clean distclean setup setup-dev python
+	site site-links readme-figures dist dist-check clean distclean setup setup-dev python
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / { printf "  make %-18s%s\n", $$1, $$2 }' Makefile
@@ -154,6 +154,12 @@ bench: setup ## the benchmarks in scripts/
 
 ## -- releasing -------------------------------------------------------------------------
 
+site: python .venv/ready-docs ## these pages and the reference as a site, in build/site
+	$(BIN)/python website/build.py
+
+site-links: python .venv/ready-docs ## whether the links that lead out of the site answer
+	$(BIN)/python website/build.py --linkcheck
+
 readme-figures: demo ## the figures in docs/figures, drawn again
 	@mkdir -p docs/figures
 	cp figures/quick/area.png figures/quick/stiffness.png docs/figures/
@@ -183,6 +189,10 @@ setup-dev: python .venv/ready-dev
 
 .venv/ready-notebooks: .venv/ready
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[notebooks]'
+	@touch $@
+
+.venv/ready-docs: .venv/ready
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
 	@touch $@
 
 python:

@@ -201,6 +201,18 @@ def describe_observable(
     }
 
 
+def every_variable() -> dict[str, tuple[Axes, Variable]]:
+    """Return dimensions, unit and description of every variable that is known, by name.
+
+    Examples
+    --------
+    >>> axes, separation = every_variable()["separation_mean"]
+    >>> axes, separation.units(), separation.long_name
+    (('pressure',), 'length', 'mean separation, mean')
+    """
+    return dict(_known())
+
+
 def is_known(name: str) -> bool:
     """Return whether a variable is described here: a diagnostic of a model is not."""
     return name in _known()

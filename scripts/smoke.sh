@@ -55,7 +55,8 @@ grep -F "stiffness_mean [Pa/m]" "$folder/units/surface.rolloff=10um-bem.csv"
 roughbench report "$folder/units.h5" -o "$folder/units.html" --resamples 20
 roughbench plot "$folder/units.h5" -o "$folder/units"
 
-# The page on scans says what its commands print.
+# The tutorials say what their commands print.
+python scripts/spec_tutorial.py
 python scripts/scan_tutorial.py
 
 # A fault ends with its documented exit code and one message.

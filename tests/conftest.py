@@ -69,10 +69,10 @@ def blank_figures(monkeypatch: pytest.MonkeyPatch) -> None:
     from matplotlib.figure import Figure
 
     from roughbench import figures
-    from roughbench.figures.style import save
+    from roughbench.figures.files import save
 
-    def blank(_: Figure, name: str, folder: Path, source: str = "") -> list[Path]:
-        return save(Figure((0.5, 0.5)), name, folder, source)
+    def blank(_: Figure, *where: Any) -> list[Path]:
+        return save(Figure((0.5, 0.5)), *where)
 
     monkeypatch.setattr(figures, "save", blank)
 
