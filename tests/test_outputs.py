@@ -285,7 +285,7 @@ def test_the_longest_names_are_written(folder: Path, length: int) -> None:
 def test_longer_ones_are_refused_before_anything_is_computed(
     folder: Path, length: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(driver, "_compute", lambda *_: pytest.fail("it computes"))
+    monkeypatch.setattr(driver, "compute_tasks", lambda *_: pytest.fail("it computes"))
     done = invoke("run", "small.yaml", "-o", "x" * (length - 3) + ".h5")
     assert done.exit_code == 1
     assert "File name too long; choose a shorter name" in done.stderr

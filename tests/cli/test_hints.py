@@ -79,7 +79,7 @@ def test_another_program_of_that_name_is_not_meant(
         (["rnu", "small.yaml"], "Did you mean 'run'?"),
         (["Show", "x.h5"], "Did you mean 'show'?"),
         (["small.yaml", "-j", "2"], "To compute a spec: roughbench run small.yaml -j 2"),
-        (["walk"], "There are init, characterize, run,"),
+        (["walk"], "There are init, doctor, characterize, run,"),
     ],
 )
 def test_what_is_no_command(invoke: Invoke, words: list[str], hint: str) -> None:
@@ -109,7 +109,7 @@ def test_status_of_results_without_a_run_directory(
 ) -> None:
     assert invoke("clean", results).exit_code == 0
     (folder / "notes.txt").write_text("mine")
-    for word in ("status", "verify", "clean"):
+    for word in ("status", "clean"):
         done = invoke(word, "small.h5")
         assert done.exit_code == 1
         assert done.stderr == (
