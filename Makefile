@@ -20,7 +20,7 @@ PARALLEL := -n $(JOBS) --dist worksteal
 	study-fields study-size study-rolloff study-below study-hurst study-cutoff \
 	study-resolution compare compare-tamaas compare-conventions compare-scans notebooks outside-model preparation faults \
 	hard bench \
-	site site-links readme-figures dist dist-check clean distclean setup setup-dev python
+	site site-links readme-figures models dist dist-check clean distclean setup setup-dev python
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / { printf "  make %-18s%s\n", $$1, $$2 }' Makefile
@@ -163,6 +163,11 @@ site-links: python .venv/ready-docs ## whether the links that lead out of the si
 readme-figures: demo ## the figures in docs/figures, drawn again
 	@mkdir -p docs/figures
 	cp figures/quick/area.png figures/quick/stiffness.png docs/figures/
+
+models: setup ## every model on the same surfaces, and the figures of docs/models; minutes
+	@mkdir -p results
+	$(BIN)/roughbench run configs/models.yaml -j $(JOBS) -o results/models.h5
+	$(BIN)/python scripts/model_figures.py results/models.h5
 
 dist: setup-dev ## wheel and source archive in dist/
 	rm -rf dist

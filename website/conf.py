@@ -40,7 +40,7 @@ napoleon_use_ivar = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_preserve_defaults = True
-autodoc_default_options = {"members": True, "show-inheritance": False}
+autodoc_default_options = {"members": True, "exclude-members": "model_config, model_post_init"}
 python_maximum_signature_line_length = 80
 
 # Types in docstrings are words, such as "path" or "array_like", and may name what is internal;
