@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, TypeVar
 from roughbench.errors import StoreError
 from roughbench.figures import (
     contact,
+    distributions,
     fig3,
     foundation,
     measured,
@@ -83,6 +84,7 @@ _PAPER: Mapping[str, Recipe] = {
 }
 _OF_FIELDS: Mapping[str, Recipe] = {
     **{one.variable: ObservableFigure(one) for one in OBSERVABLES.values()},
+    "distributions": distributions,
     "contact": contact,
 }
 _MORE = {name: QuantityFigure(name) for name in compared() if name not in _PAPER}

@@ -231,16 +231,18 @@ def panels(
         axes.remove()
     handles: dict[str, dict[str, Any]] = {}
     for number, (axes, (title, some)) in enumerate(zip(all_axes, lines.items(), strict=False)):
-        handles |= _panel(axes, some, scale)
+        handles |= draw_panel(axes, some, scale)
         letter(axes, number, title)
         axes.set_xlabel(axis)
         axes.set_ylabel(value)
         axes.label_outer()
-    legend_above(figure, _handles(handles))
+    legend_above(figure, handles_of(handles))
     return figure
 
 
-def _panel(axes: Axes, lines: Sequence[ObservedLine], scale: str) -> dict[str, dict[str, Any]]:
+def draw_panel(
+    axes: Axes, lines: Sequence[ObservedLine], scale: str
+) -> dict[str, dict[str, Any]]:
     """Draw the lines of a panel, and return how each of them is drawn."""
     axes.set_xscale(scale)
     axes.set_yscale("log")
@@ -271,7 +273,8 @@ def _style(line: ObservedLine) -> dict[str, Any]:
     }
 
 
-def _handles(drawn: Mapping[str, dict[str, Any]]) -> list[Artist]:
+def handles_of(drawn: Mapping[str, dict[str, Any]]) -> list[Artist]:
+    """Return the legend's handles of lines, by how each of them is drawn."""
     from matplotlib.lines import Line2D
 
     return [Line2D([], [], label=title, **style) for title, style in drawn.items()]

@@ -172,7 +172,7 @@ def test_files_are_the_same_for_the_same_data(observed: Results, tmp_path: Path)
 def test_results_say_which_figures_they_allow(
     observed: Results, computed: Results, make: Make, collect: Collect
 ) -> None:
-    own = [*(one.variable for one in OBSERVABLES.values()), "contact"]
+    own = [*(one.variable for one in OBSERVABLES.values()), "distributions", "contact"]
     assert figures.available(observed)[-len(own) :] == own
     assert set(figures.available(computed)) & set(own) == {"contact"}
     with pytest.raises(StoreError, match="needs the observable clusters, which a spec asks"):
