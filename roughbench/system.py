@@ -224,6 +224,17 @@ def split_dataset(path: str) -> tuple[str, str]:
     return (drive + file, "/" + dataset) if colon else (path, "")
 
 
+def config_folder() -> Path:
+    """Return the folder for settings of the user, as the system has it."""
+    if sys.platform == "win32":
+        base = Path(os.environ.get("APPDATA") or Path.home() / "AppData" / "Roaming")
+    elif sys.platform == "darwin":
+        base = Path.home() / "Library" / "Application Support"
+    else:
+        base = Path(os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config")
+    return base / "roughbench"
+
+
 # -- signals and processes -------------------------------------------------------------
 
 

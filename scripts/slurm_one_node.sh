@@ -1,6 +1,9 @@
 #!/bin/bash
-# Set up a real Slurm on this machine alone, run a spec through `--engine slurm` with one of
-# its jobs cancelled in mid-run, compare the bytes with a local run, and tear it all down.
+# Set up a real Slurm on this machine alone, and run a spec on it in two ways: through
+# `--engine slurm` with one of its jobs cancelled in mid-run, and as 40 shares of `submit` of
+# which three are killed. Compare the bytes with a local run, and tear it all down.
+#
+# `slurm_one_node.sh shares` does the second alone, which needs no Dask.
 #
 # Needs root, and Debian's slurmctld, slurmd, slurm-client and munge; `roughbench` with its
 # extra `dask` is the one on PATH. Nothing outside a folder of its own is changed.
@@ -81,7 +84,7 @@ models:
   - {kind: persson}
 SPEC
 roughbench run "$folder/spec.yaml" -o "$folder/here.h5" --threads 1 -q
-(
+[ "${1:-}" = shares ] || (
     cd "$folder"
     begin=$SECONDS
     roughbench run spec.yaml -o there.h5 --engine slurm --workers 2 --walltime 00:10:00 \
@@ -98,5 +101,28 @@ roughbench run "$folder/spec.yaml" -o "$folder/here.h5" --threads 1 -q
     wait $run
     echo "done in $((SECONDS - begin)) s; jobs left: $(squeue --noheader | wc -l)"
 )
-cmp "$folder/here.h5" "$folder/there.h5"
+[ "${1:-}" = shares ] || cmp "$folder/here.h5" "$folder/there.h5"
+
+(
+    cd "$folder"
+    begin=$SECONDS
+    roughbench submit spec.yaml -o shared.h5 --array 40 --walltime 00:10:00 --partition main
+    array=$(squeue --noheader --format=%F | sort -n | head -n 1)
+    killed=0
+    for number in 3 4 11; do  # as they begin
+        for _ in $(seq 1200); do
+            squeue --noheader --states=R --format=%K | grep -qx $number && break
+            sleep 0.1
+        done
+        scancel --signal=KILL --full "${array}_$number" && killed=$((killed + 1))
+    done
+    echo "killed $killed shares of job $array"
+    until [ -z "$(squeue --noheader)" ]; do sleep 1; done
+    roughbench status shared.h5
+    cat shared.h5.rbrun/jobs/*-assemble.out
+    said=$(grep -l "share .* computed" shared.h5.rbrun/jobs/"$array"-*.out | wc -l)
+    echo "done in $((SECONDS - begin)) s; $said of 40 shares ended by themselves"
+    [ "$said" -eq $((40 - killed)) ]
+)
+cmp "$folder/here.h5" "$folder/shared.h5"
 echo "Slurm: the bytes are those of the local run"

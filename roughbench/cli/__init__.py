@@ -37,6 +37,7 @@ COMMANDS = (
     "doctor",
     "characterize",
     "run",
+    "submit",
     "status",
     "verify",
     "clean",

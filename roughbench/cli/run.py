@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import time
 from dataclasses import asdict
 from pathlib import Path
@@ -80,6 +81,13 @@ if TYPE_CHECKING:
     "every experiment; repeatable.",
 )
 @click.option(
+    "--share",
+    default="",
+    metavar="K/N",
+    help="Compute the K-th of N shares only, beside other processes that compute others; in "
+    "the end a run without it writes the results.",
+)
+@click.option(
     "--engine",
     "kind",
     type=click.Choice(["local", "dask", "slurm"]),
@@ -139,6 +147,7 @@ def command(
     quiet: bool,  # noqa: FBT001
     verbose: bool,  # noqa: FBT001
     as_json: bool,  # noqa: FBT001
+    share: str,
     **options: Any,
 ) -> None:
     """Compute what SPEC asks for, and is not there already; - reads it from standard input.
@@ -156,6 +165,9 @@ def command(
     start = time.monotonic()
     loaded = load_spec(spec_source(spec), options.pop("overrides"))
     target = output or Path(f"{loaded.name}.h5")
+    if share:
+        _run_share(share, loaded, target, line or "", as_json, quiet, verbose, dry_run, options)
+        return
     engine = {name: options.pop(name) for name in _CLUSTER}
     cluster = None if engine["kind"] == "local" else Cluster(**engine)
     if dry_run:
@@ -196,6 +208,52 @@ def command(
         click.echo(json.dumps(made, indent=1))
         return
     click.echo(target)
+
+
+def _run_share(
+    text: str,
+    spec: Spec,
+    target: Path,
+    line: str,
+    as_json: bool,  # noqa: FBT001
+    quiet: bool,  # noqa: FBT001
+    verbose: bool,  # noqa: FBT001
+    dry_run: bool,  # noqa: FBT001
+    options: dict[str, Any],
+) -> None:
+    """Compute a share, and say what is left."""
+    from roughbench.cli.progress import progress_shown
+    from roughbench.runner import parse_share, run_share
+
+    share = parse_share(text)
+    given = {"--force": options.pop("force"), "--only": options.pop("only")}
+    given |= {"--engine": options["kind"] != "local", "--dry-run": dry_run}
+    for name, value in given.items():
+        if value:
+            raise click.UsageError(f"--share and {name} do not go together; leave one out")
+    for name in _CLUSTER:
+        options.pop(name)
+    assembling = re.sub(r" --share[ =]\S+", "", line)
+    with progress_shown(quiet=quiet, verbose=verbose) as progress:
+        found = run_share(
+            spec,
+            target,
+            share,
+            progress=progress,
+            command=line,
+            assembling=assembling,
+            **options,
+        )
+    if as_json:
+        found_all = {"results": str(target), **asdict(found), "left": found.left}
+        click.echo(json.dumps(found_all, indent=1))
+        return
+    many = "s" * (found.tasks != 1)
+    left = f"{found.left} of {found.states} states are left to others"
+    left = left if found.left else "all is done"
+    click.echo(f"share {share}: {found.tasks} task{many} computed; {left}")
+    if not found.left and not quiet:
+        click.echo(f"write the results: {assembling}", err=True)
 
 
 _CLUSTER = (

@@ -8,6 +8,8 @@ import click
 
 from roughbench.cli.options import debug_option, example, run_argument
 
+_MOST_SHARES = 10
+
 
 @click.command(
     "status",
@@ -43,6 +45,10 @@ def command(path: Path, as_json: bool) -> None:  # noqa: FBT001
     if state.holder:
         host, process = state.holder.get("host"), state.holder.get("process")
         lines.append(f"process {process} on {host} since {state.holder.get('since')}")
+    elif state.shares:
+        many = len(state.shares)
+        shown = ", ".join(state.shares[:_MOST_SHARES]) + ", …" * (many > _MOST_SHARES)
+        lines.append(f"{many} share{'s' * (many > 1)} being computed: {shown}")
     elif state.state == "incomplete" and state.command:
         lines.append(f"resume: {state.command}")
     click.echo("\n".join(on_one_line(line) for line in lines))

@@ -9,6 +9,8 @@
     ``shards/KEY/``      finished tasks; KEY stands for what the numbers depend on
     ``checkpoints/``     finished states of long curves
     ``set-aside/``       shards that were damaged
+    ``shares/``          who computes which share, and their logs
+    ``jobs/``            what was submitted to a batch system
 
 The shards are the truth (:mod:`roughbench.rundir.shards`); all else may be deleted. Every file
 is published in one step and carries its checksum.
@@ -18,12 +20,15 @@ from __future__ import annotations
 
 import contextlib
 import os
+import random
 import shutil
+import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
-from roughbench.errors import StoreError, explained
+from roughbench.errors import LockedError, StoreError, explained
+from roughbench.planning.shares import Share
 from roughbench.planning.tasks import Block, Task
 from roughbench.publish import refusals_named, remove_leftovers, temporary_of
 from roughbench.rundir.checkpoint import Checkpoint, checkpoint_name
@@ -35,6 +40,7 @@ from roughbench.rundir.usage import Usage
 from roughbench.seal import sha256_of
 
 SUFFIX = ".rbrun"
+_GLANCES, _PAUSE, _MOST_NAMED = 20, 0.1, 10
 
 
 def folder_of(results: str | os.PathLike[str]) -> Path:
@@ -88,13 +94,62 @@ class RunFolder:
             raise StoreError(
                 f"cannot write {self.path}: {explained(error, 'choose another place with -o')}"
             ) from error
-        try:
+        with _given_back(file):
+            if others := self.shares():
+                shown = ", ".join(others[:_MOST_NAMED]) + ", …" * (len(others) > _MOST_NAMED)
+                raise LockedError(
+                    f"shares are being computed in {self.path}: {shown}; wait for them or stop "
+                    "them, or choose another results file with -o"
+                )
             self._remove_leftovers()
             yield
-        finally:
-            with contextlib.suppress(OSError):
-                file.truncate(0)
-            file.close()
+
+    @contextlib.contextmanager
+    def shared(self, share: Share, command: str) -> Iterator[None]:
+        """Make the folder and join those that compute other shares of the same plan.
+
+        Keeps out whoever computes the same share, and a run of everything; what a killed
+        process has left, and what is damaged, stays for the next such run.
+
+        Raises
+        ------
+        LockedError
+            If another process computes this share, or a run is in the folder.
+        StoreError
+            As :meth:`locked`.
+        """
+        try:
+            file = self._lock_of(share_name(share)).take(command)
+            for folder in (self._shards, self._checkpoints):
+                folder.mkdir(exist_ok=True)
+        except OSError as error:
+            raise StoreError(
+                f"cannot write {self.path}: {explained(error, 'choose another place with -o')}"
+            ) from error
+        with _given_back(file):
+            for attempt in range(_GLANCES):  # many shares that start together look there
+                time.sleep(_PAUSE * random.random() * (attempt > 0))  # noqa: S311
+                if not self.holder():
+                    break
+            else:
+                raise LockedError(self._lock.refusal())
+            yield
+
+    def share_log(self, share: Share) -> Path:
+        """Return the log of a share."""
+        return self.path / "shares" / f"{share_name(share)}.log"
+
+    def shares(self) -> list[str]:
+        """Return the shares that are being computed, such as ``3/40``."""
+        places = [path for path in _entries(self.path / "shares") if path.suffix == ".lock"]
+        return [
+            "/".join(str(int(part)) for part in path.stem.split("-of-"))
+            for path in sorted(places)
+            if self._lock_of(path.stem).holder()
+        ]
+
+    def _lock_of(self, share: str) -> FolderLock:
+        return FolderLock(self.path, f"shares/{share}.lock")
 
     def holder(self) -> dict[str, Any]:
         """Return what the run in the folder says of itself; empty for none."""
@@ -220,6 +275,29 @@ class RunFolder:
     def provenance(self) -> dict[str, Any]:
         """Return where the results file comes from; empty if nobody knows."""
         return read_note(self.path / "provenance.json")
+
+
+def share_name(share: Share) -> str:
+    """Return what the files of a share are called.
+
+    Examples
+    --------
+    >>> from roughbench.planning.shares import Share
+    >>> share_name(Share(3, 40))
+    '03-of-40'
+    """
+    return f"{share.number:0{len(str(share.count))}d}-of-{share.count}"
+
+
+@contextlib.contextmanager
+def _given_back(file: IO[str]) -> Iterator[None]:
+    """Empty and close the file of a lock in the end."""
+    try:
+        yield
+    finally:
+        with contextlib.suppress(OSError):
+            file.truncate(0)
+        file.close()
 
 
 def _entries(folder: Path) -> list[Path]:

@@ -29,10 +29,13 @@ class FolderLock:
     ----------
     folder : Path
         Made, and marked as a run directory, when the lock is taken.
+    name : str
+        Of the file, in the folder or in one below it.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, name: str = LOCK) -> None:
         self._folder = folder
+        self._path = folder / name
 
     def take(self, command: str) -> IO[str]:
         """Make the folder and lock it; the lock ends where the file is closed.
@@ -56,7 +59,8 @@ class FolderLock:
     def _opened(self) -> IO[str]:
         self._folder.mkdir(exist_ok=True)
         mark(self._folder)
-        path = self._folder / LOCK
+        path = self._path
+        path.parent.mkdir(exist_ok=True)
         for attempt in range(_TRIES):
             time.sleep(_PAUSE * (attempt > 0))
             file = os.fdopen(open_lock(path), "r+", encoding="utf-8")
@@ -76,7 +80,7 @@ class FolderLock:
                 file.close()
                 raise
             file.close()  # of a run, or of someone who only looks who is there
-        raise LockedError(self._message())
+        raise LockedError(self.refusal())
 
     def _write_holder(self, file: IO[str], command: str) -> None:
         holder = {
@@ -89,7 +93,8 @@ class FolderLock:
         file.write("\n" + json.dumps(holder))  # a lock of Windows covers the first byte
         file.flush()
 
-    def _message(self) -> str:
+    def refusal(self) -> str:
+        """Say who has the lock, to whom it is refused."""
         holder = self.holder()
         who = "another run"
         if holder:
@@ -98,14 +103,13 @@ class FolderLock:
                 f"{holder.get('since')} ({holder.get('command')})"
             )
         return (
-            f"{self._folder} is locked by {who}; wait for it or stop it, or choose another "
-            "results file with -o"
+            f"{self._path.parent} is locked by {who}; wait for it or stop it, or choose "
+            "another results file with -o"
         )
 
     def holder(self) -> dict[str, Any]:
         """Return what the run in the folder says of itself; empty for none."""
-        place = self._folder / LOCK
-        with contextlib.suppress(OSError, ValueError), place.open("rb") as file:
+        with contextlib.suppress(OSError, ValueError), self._path.open("rb") as file:
             for attempt in range(_TRIES):  # who only looks, as here, has it for a moment
                 time.sleep(_GLANCE * (attempt > 0))
                 if try_lock(file.fileno()) is not False:

@@ -15,6 +15,7 @@ It keeps what a run has finished, so that the next one goes on from there. To re
 roughbench clean RESULTS, with the name of the results file beside it.
 """
 _OWN = {"lock", "run.log", "run.json", "provenance.json", "shards", "checkpoints", "set-aside"}
+_OWN |= {"shares", "jobs"}
 
 
 def is_marked(folder: Path) -> bool:

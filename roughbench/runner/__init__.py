@@ -8,8 +8,10 @@ jobs, to the last bit.
 from __future__ import annotations
 
 from roughbench.engines.cluster import Cluster
+from roughbench.engines.profiles import JobProfile, load_profile
 from roughbench.planning.plan import check, plan, warnings
 from roughbench.planning.samples import make_sample
+from roughbench.planning.shares import Share, parse_share
 from roughbench.rundir.folder import folder_of
 from roughbench.runner.cleaning import clean
 from roughbench.runner.doctor import Diagnosis, diagnose
@@ -21,6 +23,8 @@ from roughbench.runner.overview import PlanRow
 from roughbench.runner.progress import Progress, ProgressListener
 from roughbench.runner.provenance import Account, accounts
 from roughbench.runner.reproduction import Reproduction, reproduce, spec_in
+from roughbench.runner.sharing import ShareOutcome, run_share
+from roughbench.runner.submission import Submission, share_jobs, submit_shares
 from roughbench.runner.verification import verify
 from roughbench.system import available_cores
 
@@ -28,11 +32,15 @@ __all__ = [
     "Account",
     "Cluster",
     "Diagnosis",
+    "JobProfile",
     "PlanRow",
     "Progress",
     "ProgressListener",
     "Reproduction",
     "RunState",
+    "Share",
+    "ShareOutcome",
+    "Submission",
     "TimeEstimate",
     "accounts",
     "available_cores",
@@ -40,15 +48,20 @@ __all__ = [
     "clean",
     "diagnose",
     "folder_of",
+    "load_profile",
     "make_sample",
     "origins",
+    "parse_share",
     "plan",
     "preview",
     "reproduce",
     "run",
+    "run_share",
     "run_to_file",
+    "share_jobs",
     "spec_in",
     "status",
+    "submit_shares",
     "verify",
     "warnings",
 ]

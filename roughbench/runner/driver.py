@@ -10,19 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from roughbench.engines.cluster import Cluster
-from roughbench.engines.dask_cluster import compute_on_cluster
-from roughbench.engines.local import compute_here, compute_in_workers
 from roughbench.engines.worker_pool import refuse_in_a_new_worker
 from roughbench.planning.cells import Cell
 from roughbench.planning.plan import warnings
-from roughbench.planning.resources import ResourceLimits, check_memory
-from roughbench.planning.tasks import Task
 from roughbench.publish import make_folder
 from roughbench.results import Results
-from roughbench.rundir.folder import RunFolder
 from roughbench.rundir.journal import log, logged_to
 from roughbench.runner.bar import reported
-from roughbench.runner.monitor import RunMonitor, monitored
+from roughbench.runner.computing import compute_tasks
+from roughbench.runner.monitor import monitored
 from roughbench.runner.preparation import prepare
 from roughbench.runner.progress import ProgressListener
 from roughbench.runner.provenance import request_of
@@ -206,7 +202,7 @@ def _run(
                 folder.write_request(request_of(run.spec, cell_states, command))
             tasks = select(cell_states, only, parts=run.limits.parts)
             monitor.open(cell_states, tasks, report, keep_going=keep_going)
-            _compute(tasks, run.limits, cluster, monitor, folder)
+            compute_tasks(tasks, run.limits, monitor, folder, cluster)
             monitor.finish()
             if folder is None:
                 return results_of(run.spec, cell_states)
@@ -214,35 +210,3 @@ def _run(
             if not returned:
                 return Results({}, run.spec.text, run.spec.sha256, run.spec.name)
             return load(folder.results)  # before another run may replace it
-
-
-def _compute(
-    tasks: Sequence[Task],
-    limits: ResourceLimits,
-    cluster: Cluster | None,
-    monitor: RunMonitor,
-    folder: RunFolder | None,
-) -> None:
-    if cluster is not None:
-        log.info("%d tasks to compute, on a %s cluster", len(tasks), cluster.kind)
-        compute_on_cluster(
-            tasks,
-            cluster,
-            checkpoint_of=monitor.checkpoint,
-            listener=monitor,
-            folder=folder.path if folder is not None else Path.cwd(),
-        )
-        return
-    check_memory(tasks, limits)
-    processes = limits.processes(tasks)
-    log.info("%d tasks to compute, in %d processes", len(tasks), processes)
-    if processes == 1:
-        compute_here(tasks, checkpoint_of=monitor.checkpoint, listener=monitor)
-        return
-    compute_in_workers(
-        tasks,
-        processes=processes,
-        limits=limits,
-        checkpoint_of=monitor.checkpoint,
-        listener=monitor,
-    )

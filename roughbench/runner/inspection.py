@@ -38,6 +38,8 @@ class RunState:
     parts : list of PlanRow
     note : str
         What is wrong with the results file, though all is done; else empty.
+    shares : tuple of str
+        Those that are being computed, such as ``3/40``.
     """
 
     results: Path
@@ -48,6 +50,7 @@ class RunState:
     done: int
     parts: list[PlanRow]
     note: str = ""
+    shares: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """Return all of it, for JSON."""
@@ -60,6 +63,7 @@ class RunState:
             "done": self.done,
             "parts": [part.as_dict() for part in self.parts],
             "note": self.note,
+            "shares": [*self.shares],
         }
 
 
@@ -118,15 +122,17 @@ def status(path: str | os.PathLike[str]) -> RunState:
     tasks = select(cell_states, (), parts=limits.parts)
     note = fault_of_results(folder) if not tasks else ""
     complete = not tasks and not note
+    shares = tuple(folder.shares())
     return RunState(
         results=folder.results,
-        state="running" if holder else "complete" if complete else "incomplete",
+        state="running" if holder or shares else "complete" if complete else "incomplete",
         holder=holder,
         command=str(request.get("command", "")),
         states=sum(cell_state.cell.n_states for cell_state in cell_states),
         done=sum(cell_state.n_known for cell_state in cell_states),
         parts=overview(cell_states, tasks, folder),
         note=note,
+        shares=shares,
     )
 
 

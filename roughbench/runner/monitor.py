@@ -38,12 +38,16 @@ class RunMonitor:
         progress: ProgressListener | None,
         *,
         keep_going: bool,
+        of_tasks: bool = False,
     ) -> None:
-        """Begin, with what there is of each cell and the tasks that are to be computed."""
+        """Begin, with what there is of each cell and the tasks that are to be computed.
+
+        Progress counts all states, or those ``of_tasks`` alone.
+        """
         self._cell_states = {_place(cell_state.cell): cell_state for cell_state in cell_states}
         self._tasks = tasks
         self._keep_going = keep_going
-        self._count = _counter(cell_states, progress)
+        self._count = _counter(cell_states, progress, tasks if of_tasks else None)
 
     def checkpoint(self, task: Task) -> Checkpoint | None:
         """Return where the finished states of a task are kept, if anywhere."""
@@ -99,6 +103,17 @@ class RunMonitor:
         IncompleteError
             If tasks were left out.
         """
+        self.check_failures()
+        if not all(cell_state.coverage.complete for cell_state in self._cell_states.values()):
+            raise IncompleteError("the results file is not written yet: not all is computed")
+
+    def check_failures(self) -> None:
+        """Raise if tasks failed.
+
+        Raises
+        ------
+        RoughbenchError
+        """
         if len(self._failed) == 1:
             self._raise(*next(iter(self._failed.items())))
         if self._failed:
@@ -106,8 +121,6 @@ class RunMonitor:
             for task, outcome in self._failed.items():
                 lines += [str(outcome.error), *self._rerun(task)]
             raise RoughbenchError("\n".join(lines))
-        if not all(cell_state.coverage.complete for cell_state in self._cell_states.values()):
-            raise IncompleteError("the results file is not written yet: not all is computed")
 
     def _raise(self, task: Task, outcome: TaskOutcome) -> None:
         error = outcome.error or RoughbenchError(f"{task}: ended without a result")
@@ -166,13 +179,15 @@ def monitored(folder: RunFolder | None, command: str) -> Iterator[RunMonitor]:
 
 
 def _counter(
-    cell_states: Sequence[CellState], progress: ProgressListener | None
+    cell_states: Sequence[CellState],
+    progress: ProgressListener | None,
+    tasks: Sequence[Task] | None = None,
 ) -> Callable[[Task | None, int], None]:
     """Return a callable that adds up finished states and tells ``progress``.
 
-    Without a task it tells that loops are compiled.
+    Without a task it tells that loops are compiled. Of ``tasks``, where they are given: then
+    what is there already does not count.
     """
-    total = sum(cell_state.cell.n_states for cell_state in cell_states)
     speeds = Speeds()
     works = {
         _place(cell_state.cell): speeds.slowness(cell_state.cell.model)
@@ -180,11 +195,13 @@ def _counter(
         / len(cell_state.cell.pressures)
         for cell_state in cell_states
     }
-    all_work = sum(
-        works[_place(cell_state.cell)] * cell_state.cell.n_states for cell_state in cell_states
-    )
-    done = sum(cell_state.n_known for cell_state in cell_states)
-    work = sum(works[_place(s.cell)] * s.n_known for s in cell_states)
+    wanted = [(s.cell, s.cell.n_states, s.n_known) for s in cell_states]
+    if tasks is not None:
+        wanted = [(task.cell, task.n_states, 0) for task in tasks]
+    total = sum(states for _, states, _ in wanted)
+    all_work = sum(works[_place(cell)] * states for cell, states, _ in wanted)
+    done = sum(known for _, _, known in wanted)
+    work = sum(works[_place(cell)] * known for cell, _, known in wanted)
     done_of: dict[Task, int] = {}
     if progress is not None:
         share = 1.0 if done == total else work / all_work

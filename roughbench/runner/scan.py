@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -173,6 +174,16 @@ def scan(
     return cell_states
 
 
+def refresh(cell_states: Sequence[CellState], folder: RunFolder) -> None:
+    """Take up the shards that other processes have written meanwhile."""
+    for cell_state in cell_states:
+        seen = {shard.path for shard in cell_state.shards}
+        seen |= {error.path for error in cell_state.damaged}
+        for path in folder.shards(cell_state.key):
+            if path not in seen:
+                _take(cell_state, folder, path)
+
+
 def scan_cleared(
     cells: Sequence[Cell], limits: ResourceLimits, folder: RunFolder | None, *, force: bool
 ) -> list[CellState]:
@@ -202,7 +213,11 @@ def _cell_state(
 
 def _collect(cell_state: CellState, folder: RunFolder) -> None:
     for path in folder.shards(cell_state.key):
-        try:
-            cell_state.add(folder.read(path))
-        except ShardError as error:
-            cell_state.damaged.append(error)
+        _take(cell_state, folder, path)
+
+
+def _take(cell_state: CellState, folder: RunFolder, path: Path) -> None:
+    try:
+        cell_state.add(folder.read(path))
+    except ShardError as error:
+        cell_state.damaged.append(error)
