@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
+
+if TYPE_CHECKING:
+    from roughbench.results import Results
 
 DEBUG = "roughbench.debug"
 """Key of the context's meta data: whether errors show their traceback."""
@@ -25,6 +31,12 @@ debug_option = click.option(
 )
 
 json_option = click.option("--json", "as_json", is_flag=True, help="Everything, as JSON.")
+partial_option = click.option(
+    "--partial",
+    is_flag=True,
+    help="What a run that is not finished has so far: RESULTS as of status, from its run "
+    "directory.",
+)
 results_argument = click.argument("results", type=click.Path(path_type=Path))
 run_argument = click.argument("path", type=click.Path(path_type=Path), metavar="RESULTS")
 reference_option = click.option(
@@ -58,7 +70,37 @@ def spec_source(path: Path) -> Path | str:
     except UnicodeDecodeError:
         message = "is not UTF-8 text; send it as UTF-8"
         raise SpecError([Fault(message, source="standard input")]) from None
-    return text + "\n"  # a text has lines, a path has not
+    return text if "\n" in text else f"{text}\n"  # a text has lines, a path has not
+
+
+@contextlib.contextmanager
+def results_read(path: Path, *, partial: bool) -> Iterator[Results]:
+    """Give the content of a results file, or what its run has so far.
+
+    Raises
+    ------
+    RoughbenchError
+        If there is none; says so where a run has something.
+    """
+    from roughbench.errors import StoreError
+    from roughbench.program import command as command_line
+    from roughbench.runner import folder_of, partial_results
+    from roughbench.store import opened
+
+    if partial:
+        yield partial_results(path)
+        return
+    with contextlib.ExitStack() as stack:
+        try:
+            results = stack.enter_context(opened(path))
+        except StoreError as error:
+            if not path.exists() and folder_of(path).is_dir():
+                status = command_line("status", path)
+                error.add_note(
+                    f"its run is not finished: {status}; or see what is there: --partial"
+                )
+            raise
+        yield results
 
 
 def example(*lines: str) -> str:

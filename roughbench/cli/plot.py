@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 from click.core import ParameterSource
 
-from roughbench.cli.options import debug_option, example
+from roughbench.cli.options import debug_option, example, partial_option, results_read
 from roughbench.errors import StoreError
 from roughbench.program import command as command_line
 from roughbench.text import on_one_line
@@ -75,6 +75,7 @@ from roughbench.text import on_one_line
     metavar="STYLE",
     help="Style of Matplotlib, by name or as a file, over that of roughbench.",
 )
+@partial_option
 @debug_option
 @click.pass_context
 def command(
@@ -86,21 +87,23 @@ def command(
     points: tuple[Path, ...],
     formats: tuple[str, ...],
     style: str,
+    partial: bool,  # noqa: FBT001
 ) -> None:
     """Draw the figures of RESULTS as PDF, PNG or SVG.
 
     All that they have the data for, if no --figure is given. Prints the paths of the files.
     """
     from roughbench import figures
+    from roughbench.runner import partial_results
     from roughbench.source_files import names_file
-    from roughbench.store import load, opened
+    from roughbench.store import load
 
     for name in wanted:
         if names_file(name) or name in figures.FIGURES:
             continue
         known = list(figures.FIGURES)
         for path in results:
-            with opened(path) as content:
+            with results_read(path, partial=partial) as content:
                 known += [own for own in figures.recipes_of(content) if own not in known]
         if name not in known:
             raise click.BadParameter(
@@ -116,7 +119,7 @@ def command(
         for path, its_folder in zip(results, folders, strict=True):
             _refuse_to_mix(path, its_folder, figures.drawn_of(its_folder))
     for path, its_folder in zip(results, folders, strict=True):
-        loaded = load(path)
+        loaded = partial_results(path) if partial else load(path)
         for other in others:
             loaded = figures.join(loaded, load(other))
         for file_of_points in points:

@@ -23,8 +23,14 @@ def to_json(results: Results) -> Iterator[str]:
         "spec_sha256": results.spec_sha256,
         "made_with": dict(results.made_with),
     }
+    partial = {
+        model: {"realizations": there, "planned": planned}
+        for model, (there, planned) in results.partial.items()
+    }
     yield "{\n"
     yield from (f" {_json(key)}: {_json(value)},\n" for key, value in head.items())
+    if partial:
+        yield f' "partial": {_json(partial)},\n'
     yield ' "experiments": {'
     for number, (experiment, models) in enumerate(results.items()):
         yield f"{',' * (number > 0)}\n  {_json(experiment)}: {{"

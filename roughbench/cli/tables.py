@@ -47,6 +47,10 @@ def as_text(results: Results, source: str) -> str:
         Name of the file, for the title.
     """
     blocks = [f"{source}: {results.name} (spec sha256 {results.spec_sha256[:12]})"]
+    blocks += [
+        f"PARTIAL, the run is not finished: {model} has {there} of {planned} realizations"
+        for model, (there, planned) in results.partial.items()
+    ]
     prefixes = prefixes_of(results)
     for experiment, models in results.items():
         for number, result in enumerate(models.values()):

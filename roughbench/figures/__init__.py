@@ -36,6 +36,7 @@ from roughbench.figures.agreement import Agreement, departures
 from roughbench.figures.files import FORMATS, USUAL, check_files, save, source_of
 from roughbench.figures.joined import join
 from roughbench.figures.observed import ObservableFigure, unknown_observables
+from roughbench.figures.partial import mark_partial
 from roughbench.figures.points import overlaid, quantities_of
 from roughbench.figures.quantity import QuantityFigure
 from roughbench.figures.recipe import Recipe, load_figure
@@ -270,6 +271,7 @@ def render(
     check_files(name, Path(folder), formats)
     with publication_style(Path(style) if style else ""):
         figure = _asked(recipe.draw, name, results)
+        mark_partial(figure, results.partial)
         return save(figure, name, Path(folder), source, formats)
 
 

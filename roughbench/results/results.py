@@ -61,6 +61,9 @@ class Results(Mapping[str, Mapping[str, ModelResult]]):
         By experiment: the measured surface that it pressed, of those that pressed one.
     made_with : mapping of str to str or int
         What the file was put together with: as :attr:`ModelResult.made_with`.
+    partial : mapping of str to (int, int)
+        Of a run that is not finished: model, such as ``main/bem`` → realizations there are, of
+        how many; of those models that lack some. Empty for whole results.
     """
 
     experiments: Mapping[str, Mapping[str, ModelResult]]
@@ -69,6 +72,7 @@ class Results(Mapping[str, Mapping[str, ModelResult]]):
     name: str = ""
     surfaces: Mapping[str, SurfaceRecord] = field(default_factory=dict)
     made_with: Mapping[str, str | int] = field(default_factory=dict)
+    partial: Mapping[str, tuple[int, int]] = field(default_factory=dict)
 
     def __getitem__(self, experiment: str) -> Mapping[str, ModelResult]:
         if experiment not in self.experiments:

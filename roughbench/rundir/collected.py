@@ -222,6 +222,15 @@ class Collected:
             raise ValueError(f"{cell} lacks {np.count_nonzero(~known)} states")
         return self._values | self._field_block()
 
+    def rows(self, rows: NDArray[np.intp]) -> Block:
+        """Return some realizations, which must be known at all pressures, without fields."""
+        if not self._coverage.known[rows].all():
+            raise ValueError(f"{self._coverage.cell} lacks states of these realizations")
+        return {
+            name: values[rows] if dimensions(name, values.ndim)[0] == "realization" else values
+            for name, values in self._values.items()
+        }
+
     def _field_block(self) -> Block:
         """Return the fields that are kept, in the order of realizations and pressures."""
         if not self._places:

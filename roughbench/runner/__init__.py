@@ -20,6 +20,7 @@ from roughbench.runner.dry_run import TimeEstimate, preview
 from roughbench.runner.inspection import RunState, status
 from roughbench.runner.origins import origins
 from roughbench.runner.overview import PlanRow
+from roughbench.runner.partial import partial_results
 from roughbench.runner.progress import Progress, ProgressListener
 from roughbench.runner.provenance import Account, accounts
 from roughbench.runner.reproduction import Reproduction, reproduce, spec_in
@@ -52,6 +53,7 @@ __all__ = [
     "make_sample",
     "origins",
     "parse_share",
+    "partial_results",
     "plan",
     "preview",
     "reproduce",

@@ -117,7 +117,7 @@ def status(path: str | os.PathLike[str]) -> RunState:
     """
     folder = find(path)
     request = folder.request()
-    limits, cell_states = _cell_states(folder, request)
+    _, limits, cell_states = requested(folder, request)
     holder = folder.holder()
     tasks = select(cell_states, (), parts=limits.parts)
     note = fault_of_results(folder) if not tasks else ""
@@ -150,14 +150,21 @@ def fault_of_results(folder: RunFolder) -> str:
     return f"{path}: {fault}; the same command writes it again from the shards"
 
 
-def _cell_states(
+def requested(
     folder: RunFolder, request: dict[str, Any]
-) -> tuple[ResourceLimits, list[CellState]]:
-    spec = _requested(folder, request)
+) -> tuple[Spec, ResourceLimits, list[CellState]]:
+    """Return what the last run in a folder was asked for, and what there is of it.
+
+    Raises
+    ------
+    RoughbenchError
+        If nobody knows what it was to compute.
+    """
+    spec = _spec_of(folder, request)
     cells = plan(spec)
     check(cells)
     limits = resource_limits(jobs=None)
-    return limits, scan(cells, limits, folder, threads=_threads(request))
+    return spec, limits, scan(cells, limits, folder, threads=_threads(request))
 
 
 def _threads(request: dict[str, Any]) -> dict[str, int]:
@@ -167,7 +174,7 @@ def _threads(request: dict[str, Any]) -> dict[str, int]:
     return {name: n for name, n in known if isinstance(n, int)}
 
 
-def _requested(folder: RunFolder, request: dict[str, Any]) -> Spec:
+def _spec_of(folder: RunFolder, request: dict[str, Any]) -> Spec:
     if not isinstance(request.get("spec"), str):
         raise RoughbenchError(unknown_request(folder))
     return parse_spec(request["spec"], folder=request.get("folder", "."))

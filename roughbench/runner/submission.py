@@ -116,7 +116,7 @@ def submit_shares(jobs: ShareJobs, spec: str) -> Submission:
 
 def _named(spec: Spec) -> str:
     """Return the text of a spec that says its name, which a file would give it."""
-    text = spec.text if spec.text.endswith("\n") else f"{spec.text}\n"
+    text = spec.text if "\n" in spec.text else f"{spec.text}\n"
     if load_spec(text, folder=spec.folder).name == spec.name:
         return text
     return load_spec(spec, [f"name={spec.name}"]).text
