@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -31,17 +32,15 @@ def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Keep what the tests plan and measure out of the user's cache, and that out of them.
 
     All workers of pytest-xdist share one: to plan the transforms of long lines takes minutes.
-    Where Python shall write no bytecode, processes that tests start share some there, rather
-    than to compile roughbench again in each.
+    Processes that tests start keep roughbench's bytecode even where Python shall write none,
+    as Numba keeps its own beside it: hundreds of them would compile the package again.
     """
     folder = tmp_path_factory.getbasetemp()
     if "PYTEST_XDIST_WORKER" in os.environ:
         folder = folder.parent
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROUGHBENCH_CACHE", str(folder / "own-cache"))
-        if "PYTHONDONTWRITEBYTECODE" in os.environ:
-            patch.delenv("PYTHONDONTWRITEBYTECODE")
-            patch.setenv("PYTHONPYCACHEPREFIX", str(folder / "bytecode"))
+        patch.delenv("PYTHONDONTWRITEBYTECODE", raising=False)
         yield
 
 
@@ -62,6 +61,20 @@ def usual_signals() -> Iterator[None]:
     yield
     for number, handler in before.items():
         signal.signal(number, handler)
+
+
+@pytest.fixture
+def blank_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let figures be drawn, but their files be empty pages: for tests of the files alone."""
+    from matplotlib.figure import Figure
+
+    from roughbench import figures
+    from roughbench.figures.style import save
+
+    def blank(_: Figure, name: str, folder: Path, source: str = "") -> list[Path]:
+        return save(Figure((0.5, 0.5)), name, folder, source)
+
+    monkeypatch.setattr(figures, "save", blank)
 
 
 @pytest.fixture

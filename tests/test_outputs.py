@@ -42,8 +42,11 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def folder(finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(
+    finished: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, blank_figures: None
+) -> Path:
     """Return the current folder, with a spec and its results."""
+    del blank_figures
     monkeypatch.chdir(tmp_path)
     shutil.copytree(finished, tmp_path, dirs_exist_ok=True)
     return tmp_path

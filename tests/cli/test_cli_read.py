@@ -21,6 +21,7 @@ import roughbench as rb
 from roughbench.cli import COMMANDS
 from roughbench.cli.results_json import to_json
 from roughbench.cli.tables import as_text
+from roughbench.figures import available
 from roughbench.results import ModelResult, Results
 from roughbench.store import write_results
 
@@ -286,12 +287,13 @@ def test_plot_draws_what_the_results_allow(results: Path, folder: Path, invoke: 
     assert sorted(paths) == sorted((folder / "pictures").iterdir())
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_plot_draws_all_that_it_can(results: Path, folder: Path, invoke: Invoke) -> None:
     done = invoke("plot", results)
     assert done.exit_code == 0, done.stderr
     paths = [folder / line for line in done.stdout.splitlines()]
     names = {path.stem for path in paths}
-    assert {"area", "separation", "stiffness"} <= names
+    assert {"area", "separation", "stiffness"} <= names == set(available(rb.load(results)))
     assert sorted(paths) == sorted((folder / "figures").iterdir())
 
 

@@ -146,6 +146,7 @@ def test_the_results_keep_a_recognizable_name(
     assert (done.exit_code, done.stdout) == (0, f"{name}.h5\n")
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_figures_of_two_results_do_not_mix_unasked(
     results: Path, folder: Path, invoke: Invoke
 ) -> None:
@@ -167,6 +168,7 @@ def test_figures_of_two_results_do_not_mix_unasked(
     assert figures.drawn_of("figures") == {other.name}
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_several_results_have_a_folder_each(
     results: Path, folder: Path, invoke: Invoke
 ) -> None:

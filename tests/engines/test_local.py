@@ -269,7 +269,12 @@ def test_a_script_without_a_guard_is_told(tmp_path: Path, output: str) -> None:
     message = "put the call under the guard if __name__ == '__main__', or say jobs=1"
     assert done.stderr.count(message) == 1
     assert len(done.stderr.splitlines()) < 20
-    script.write_text(f"{SCRIPT}if __name__ == '__main__':\n    rb.run(spec, jobs=2{output})\n")
+
+
+def test_a_script_with_a_guard_runs(tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    environment = os.environ | {"PYTHONPATH": str(Path(rb.__file__).parents[1])}
+    script.write_text(f"{SCRIPT}if __name__ == '__main__':\n    rb.run(spec, jobs=2)\n")
     guarded = subprocess.run(
         [sys.executable, script],
         capture_output=True,

@@ -66,7 +66,7 @@ def test_bytes_depend_on_the_results_alone(
     computed: Results, rendered: Path, tmp_path: Path
 ) -> None:
     """Not on the process, its hash seed, the date, or the user's settings of Matplotlib."""
-    names = ("foundation", "spectrum", "stiffness")
+    names = ("foundation", "spectrum", "stiffness", "contact")
     results = write_results(computed, tmp_path / "results.h5")
     (tmp_path / "matplotlibrc").write_text("font.size: 30\nlines.linewidth: 9\n")
     script = (
