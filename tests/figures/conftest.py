@@ -98,9 +98,9 @@ def collect() -> Callable[..., Results]:
 
 @pytest.fixture
 def draw(shared: dict[int, Drawn]) -> Draw:
-    """Return a callable that draws a figure by name, laid out but not saved.
+    """Return a callable that makes a figure by name: what stands in it, but not yet where.
 
-    Those of ``computed`` are drawn once, and are to be looked at only.
+    Those of ``computed`` are made once, and are to be looked at only.
     """
 
     def build(results: Results, name: str) -> Figure:
@@ -110,8 +110,20 @@ def draw(shared: dict[int, Drawn]) -> Draw:
             assert recipe.missing(results) is None
             with publication_style():
                 drawn[name] = recipe.draw(results)
-                drawn[name].draw_without_rendering()
         return drawn[name]
+
+    return build
+
+
+@pytest.fixture
+def lay_out(draw: Draw) -> Draw:
+    """Return a callable that makes a figure by name and lays it out: all of it is drawn."""
+
+    def build(results: Results, name: str) -> Figure:
+        figure = draw(results, name)
+        with publication_style():
+            figure.draw_without_rendering()
+        return figure
 
     return build
 

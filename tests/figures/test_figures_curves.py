@@ -130,13 +130,13 @@ def test_the_area_names_its_own_gamma(make: Make, collect: Collect) -> None:
 
 @pytest.mark.parametrize("name", ["area", "separation", "stiffness", "fig3"])
 def test_many_contenders_leave_the_panels_their_height(
-    make: Make, collect: Collect, draw: Draw, name: str
+    make: Make, collect: Collect, lay_out: Draw, name: str
 ) -> None:
     few = collect(*(make(kind) for kind in ("bem", "foundation", "persson")))
     many = collect(*(make(kind, label=f"{kind}{i}") for kind in MODELS for i in range(2)))
     heights = [
         figure.axes[0].get_position().height * figure.get_figheight()
-        for figure in (draw(few, name), draw(many, name))
+        for figure in (lay_out(few, name), lay_out(many, name))
     ]
     assert heights[1] > 0.6 * heights[0]
 

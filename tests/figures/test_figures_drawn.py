@@ -109,12 +109,12 @@ def test_a_band_that_reaches_zero_does_not_move_the_axis(
 
 @pytest.mark.parametrize("name", ["area", "separation", "stiffness", "fig3"])
 def test_full_contact_of_all_realizations_is_no_fault(
-    make: Make, collect: Collect, draw: Draw, name: str
+    make: Make, collect: Collect, lay_out: Draw, name: str
 ) -> None:
     """Warnings and floating-point errors raise here."""
     stiffness = np.array([[1.0, 2.0, np.inf, np.inf], [2.0, 3.0, 4.0, np.inf], [4.0] * 4])
     stiffness[2, 3] = np.inf
-    draw(collect(*(make(kind, stiffness=stiffness) for kind in ("bem", "foundation"))), name)
+    lay_out(collect(*(make(kind, stiffness=stiffness) for kind in ("bem", "foundation"))), name)
 
 
 def test_bars_and_bands_are_the_standard_errors(
@@ -185,7 +185,7 @@ def test_the_inset_has_a_linear_ordinate_and_the_same_curves(
     assert drawn == sorted(first)
 
 
-def test_the_inset_hides_no_curve(computed: Results, draw: Draw) -> None:
+def test_the_inset_hides_no_curve(computed: Results, lay_out: Draw) -> None:
     for shift in (1.0, 0.1, 0.01):  # contact closes earlier and earlier
         groups = {
             name: [
@@ -197,7 +197,7 @@ def test_the_inset_hides_no_curve(computed: Results, draw: Draw) -> None:
             for name, models in computed.items()
         }
         shifted = Results({n: {r.label: r for r in g} for n, g in groups.items()}, "", "")
-        axes = draw(shifted, "separation").axes[0]
+        axes = lay_out(shifted, "separation").axes[0]
         for inset in axes.child_axes:
             box = inset.bbox
             for line in axes.get_lines():
@@ -210,11 +210,11 @@ def test_the_inset_hides_no_curve(computed: Results, draw: Draw) -> None:
                 assert not ((x > box.x0) & (x < box.x1) & (y > box.y0) & (y < box.y1)).any()
 
 
-def test_long_names_keep_the_legend_inside(make: Make, collect: Collect, draw: Draw) -> None:
+def test_long_names_keep_the_legend_inside(make: Make, collect: Collect, lay_out: Draw) -> None:
     labels = ["a-rather-long-label-of-a-model", "another-rather-long-label", "third"]
     results = collect(*(make(label=label, n=1) for label in labels))
     for name in ("separation", "stiffness", "fig3"):
-        figure = draw(results, name)
+        figure = lay_out(results, name)
         with publication_style():
             for text in figure.legends[0].get_texts():
                 assert text.get_window_extent().x1 <= figure.bbox.x1
@@ -234,14 +234,14 @@ def test_vertical_lines_stand_at_the_departures(computed: Results, draw: Draw) -
 
 @pytest.mark.parametrize(("ratio", "where"), [(1.5, "everywhere"), (5.0, "nowhere")])
 def test_no_departure_is_said(
-    make: Make, collect: Collect, draw: Draw, ratio: float, where: str
+    make: Make, collect: Collect, lay_out: Draw, ratio: float, where: str
 ) -> None:
     pressure = np.logspace(-5, -2, 4)
     results = collect(
         make(stiffness=ratio * pressure, pressure=pressure),
         make("persson", n=1, stiffness=pressure, pressure=pressure),
     )
-    figure = draw(results, "stiffness")
+    figure = lay_out(results, "stiffness")
     assert by_gid(figure, "departure") == []
     assert any(f"agree {where}\nwithin a factor 2" in word for word in words(figure))
     assert not any("1/2" in word for word in legend_words(figure))
@@ -264,11 +264,11 @@ def test_guides_have_the_slopes_they_say(
 
 
 def test_heights_from_a_file_have_no_hurst_exponent(
-    make: Make, collect: Collect, draw: Draw
+    make: Make, collect: Collect, lay_out: Draw
 ) -> None:
     given = make(pressure=np.logspace(-5, -2, 13), surface="file")
     known = {key: value for key, value in given.attributes.items() if key != "hurst"}
-    figure = draw(collect(replace(given, attributes=known)), "stiffness")
+    figure = lay_out(collect(replace(given, attributes=known)), "stiffness")
     assert "slope 1" in words(figure)
     assert r"slope $1/(1+H)$" not in words(figure)
     assert any("rms height of the given heights" in word for word in words(figure))
@@ -336,9 +336,11 @@ def test_the_spectrum_and_its_wavevectors(computed: Results, draw: Draw) -> None
     assert r"$\propto q^{-2(1+H)}$, $H = 0.7$ above $q_r$" in text
 
 
-def test_a_swept_hurst_exponent_is_in_no_label(small_spec: dict[str, Any], draw: Draw) -> None:
+def test_a_swept_hurst_exponent_is_in_no_label(
+    small_spec: dict[str, Any], lay_out: Draw
+) -> None:
     small_spec["sweep"] = {"surface.H": [0.5, 0.9]}
-    text = legend_words(draw(rb.run(small_spec), "spectrum"))
+    text = legend_words(lay_out(rb.run(small_spec), "spectrum"))
     assert r"$\propto q^{-2(1+H)}$ above $q_r$" in text
     assert [word for word in text if "$H = " in word] == ["$H = 0.5$", "$H = 0.9$"]
 
@@ -477,14 +479,14 @@ def boxes(figure: Figure) -> list[tuple[str, Any]]:
 )
 @pytest.mark.parametrize("single", [False, True])
 def test_no_text_overlaps_another_or_leaves_the_figure(
-    computed: Results, draw: Draw, name: str, *, single: bool
+    computed: Results, lay_out: Draw, name: str, *, single: bool
 ) -> None:
     results = computed
     if single:
         tree = load_spec(computed.spec_text).as_given()
         del tree["sweep"]
         results = rb.run(tree)
-    figure = draw(results, name)
+    figure = lay_out(results, name)
     with publication_style():  # fonts are looked up when text is measured
         written = boxes(figure)
         places = [legend.get_window_extent() for legend in figure.legends]

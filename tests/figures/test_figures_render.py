@@ -102,12 +102,12 @@ def test_importing_the_figures_loads_no_matplotlib() -> None:
 
 @pytest.mark.parametrize("kind", ["bem", "foundation", "persson", "winkler"])
 def test_one_model_alone_makes_the_curves(
-    make: Make, collect: Collect, draw: Draw, kind: str
+    make: Make, collect: Collect, lay_out: Draw, kind: str
 ) -> None:
     results = collect(make(kind, n=1))
     assert figures.available(results) == CURVES
     for name in ("fig3", "stiffness"):
-        draw(results, name)
+        lay_out(results, name)
 
 
 def test_without_a_foundation_there_is_no_fig_1(
@@ -125,7 +125,7 @@ def test_without_a_foundation_there_is_no_fig_1(
 
 
 def test_without_fields_fig_1_says_what_to_add_to_the_spec(
-    small_spec: dict[str, Any], draw: Draw, tmp_path: Path
+    small_spec: dict[str, Any], lay_out: Draw, tmp_path: Path
 ) -> None:
     small_spec |= {"pressures": [1e-3], "models": [{"kind": "foundation", "springs": 128}]}
     results = rb.run(small_spec)
@@ -136,17 +136,17 @@ def test_without_fields_fig_1_says_what_to_add_to_the_spec(
     ):
         figures.render(results, "foundation", tmp_path)
     small_spec["save_fields"] = {"pressures": [1e-3], "realizations": [0]}
-    draw(rb.run(small_spec), "foundation")
+    lay_out(rb.run(small_spec), "foundation")
 
 
 def test_full_contact_everywhere_has_no_fig_1_and_no_stiffness(
-    small_spec: dict[str, Any], draw: Draw, tmp_path: Path
+    small_spec: dict[str, Any], lay_out: Draw, tmp_path: Path
 ) -> None:
     small_spec |= {"pressures": [1.0, 2.0], "models": [{"kind": "foundation", "springs": 128}]}
     small_spec["save_fields"] = {"pressures": [1.0], "realizations": [0]}
     results = rb.run(small_spec)
     assert figures.available(results) == ["spectrum", "area", "separation", "fig3", "contact"]
-    draw(results, "fig3")
+    lay_out(results, "fig3")
     with pytest.raises(rb.StoreError, match="needs a model with a finite stiffness"):
         figures.render(results, "stiffness", tmp_path)
 
@@ -199,11 +199,11 @@ def test_a_folder_that_cannot_be_made_is_an_error(computed: Results, tmp_path: P
         figures.render(computed, "area", tmp_path / "file" / "below")
 
 
-def test_states_in_any_state_can_be_drawn(make: Make, collect: Collect, draw: Draw) -> None:
+def test_states_in_any_state_can_be_drawn(make: Make, collect: Collect, lay_out: Draw) -> None:
     """All states unconverged, one pressure, zero area: nothing to see, but no crash."""
     nothing = make("bem", status=np.ones((3, 4), int))
     single = make(pressure=np.array([1e-3]))
     results = collect(experiments={"nothing": [nothing], "single": [single]})
     for name in ("fig3", "stiffness"):
-        draw(results, name)
+        lay_out(results, name)
     assert figures.available(collect(nothing)) == ["area", "separation", "fig3"]

@@ -131,12 +131,12 @@ def test_marks_stand_where_the_foundation_deviates(wide: Results, draw: Draw) ->
             assert {float(np.ravel(line.get_xdata())[0]) for line in found} == {place}
 
 
-def test_without_few_contacts_there_is_no_mark_but_a_word(wide: Results, draw: Draw) -> None:
+def test_without_few_contacts_there_is_no_mark_but_a_word(wide: Results, lay_out: Draw) -> None:
     late = {
         name: {label: _from(one, 25) for label, one in models.items()}
         for name, models in wide.experiments.items()
     }
-    figure = draw(replace(wide, experiments=late), "printed_fig4")
+    figure = lay_out(replace(wide, experiments=late), "printed_fig4")
     assert lines(figure, "deviates") == []
     words = " ".join(text.get_text() for text in figure.findobj(Text))
     assert words.count("no dashed line, no law of few contacts") == 2
