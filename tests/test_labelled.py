@@ -14,9 +14,18 @@ from roughbench.results import ModelResult, Results
 SWEEP = {"surface.qr": [1.0, 4.0], "seed": [7, 8, 9]}
 
 
-@pytest.fixture
-def results(small_spec: dict[str, Any]) -> Results:
-    return rb.run(small_spec | {"sweep": SWEEP})
+@pytest.fixture(scope="module")
+def results() -> Results:
+    """Return what is only looked at."""
+    return rb.run(
+        {
+            "surface": {"H": 0.7, "q0": 1.0, "q1": 32.0, "slope": 0.1},
+            "pressures": [1e-4, 1e-3, 1e-2],
+            "realizations": 20,
+            "models": [{"kind": "foundation", "springs": 128}, {"kind": "persson"}],
+            "sweep": SWEEP,
+        }
+    )
 
 
 def test_the_sweep_is_a_dimension_for_each_key(results: Results) -> None:

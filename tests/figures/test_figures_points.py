@@ -63,14 +63,14 @@ def test_points_are_drawn_with_their_errors(one: Results, draw: Draw, tmp_path: 
 
 
 def test_lengths_stand_in_rms_heights(one: Results, draw: Draw, tmp_path: Path) -> None:
-    """h_rms is 0.5 here; the first column is the spec's unit, the second in h_rms."""
+    """h_rms is 0.5 here; a column is in the spec's unit, or in h_rms."""
     for heading in ("separation", "separation (length)", "separation [h_rms]"):
         value = 1.0 if "h_rms" in heading else 0.5
-        path = tmp_path / "data.csv"
-        path.write_text(f"pressure,{heading}\n1e-3,{value}\n")
-        axes = draw(overlaid(one, path), "separation").axes[0]
-        (drawn,) = (x for x in axes.get_lines() if "data" in str(x.get_gid()))
-        assert np.asarray(drawn.get_xydata()).tolist() == [[1e-3, 1.0]]
+        found = points_of(one, f"pressure,{heading}\n1e-3,{value}\n", tmp_path)
+        assert found["separation"].tolist() == [[0.5]]
+    axes = draw(overlaid(one, tmp_path / "measured.csv"), "separation").axes[0]
+    (drawn,) = (x for x in axes.get_lines() if "measured" in str(x.get_gid()))
+    assert np.asarray(drawn.get_xydata()).tolist() == [[1e-3, 1.0]]
 
 
 @pytest.mark.parametrize(
@@ -181,10 +181,10 @@ def test_plot_on_the_command_line(
     write_results(rb.run(small_spec), "small.h5")
     Path("points.csv").write_text("pressure,area\n1e-3,0.02\n")
     command = ["plot", "small.h5", "--overlay", "points.csv", "--format", "svg"]
-    done = CliRunner().invoke(main, [*command, "--figure", "area", "--figure", "stiffness"])
+    done = CliRunner().invoke(main, [*command, "--figure", "area", "--figure", "spectrum"])
     assert done.exit_code == 0
-    assert done.stdout.splitlines() == ["figures/area.svg", "figures/stiffness.svg"]
-    assert done.stderr == "note: without the points of --overlay: stiffness\n"
+    assert done.stdout.splitlines() == ["figures/area.svg", "figures/spectrum.svg"]
+    assert done.stderr == "note: without the points of --overlay: spectrum\n"
     assert "points" in Path("figures/area.svg").read_text(encoding="utf-8")
     none = CliRunner().invoke(main, [*command, "--figure", "stiffness", "-o", "other"])
     assert none.exit_code != 0
