@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import errno
 import io
 import multiprocessing.resource_tracker
@@ -20,6 +21,44 @@ from roughbench.cli.interrupts import Interrupted, interrupts_get_through
 from roughbench.rundir.folder import RunFolder
 from roughbench.runner import clean
 from roughbench.signals import signals_held_back
+
+ELSEWHERE_MISSING = {
+    *("fcntl", "grp", "posix", "pty", "pwd", "resource", "syslog", "termios", "tty"),
+    *("psutil", "_posixsubprocess"),
+    *("os.fchmod", "os.fchown", "os.fork", "os.forkpty", "os.getgid", "os.getloadavg"),
+    *("os.getpgid", "os.geteuid", "os.getuid", "os.killpg", "os.mkfifo", "os.nice"),
+    *("os.O_CLOEXEC", "os.O_DIRECTORY", "os.O_NOFOLLOW", "os.O_NONBLOCK", "os.pread"),
+    *("os.pwrite", "os.sched_getaffinity", "os.setsid", "os.ST_RDONLY", "os.statvfs"),
+    *("os.sysconf", "os.uname", "os.wait", "os.waitpid"),
+    *("signal.alarm", "signal.ITIMER_REAL", "signal.pause", "signal.pthread_kill"),
+    *("signal.pthread_sigmask", "signal.setitimer", "signal.SIGALRM", "signal.SIGCHLD"),
+    *("signal.SIGHUP", "signal.SIGKILL", "signal.SIGUSR1", "signal.sigwait"),
+}
+"""Modules and names that Windows, or Linux without more, does not have."""
+
+
+def names_in(text: str) -> set[str]:
+    """Return the modules that a text imports, and the names that it takes of them."""
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            found |= {node.module or "", *(f"{node.module}.{a.name}" for a in node.names)}
+        elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+            found.add(f"{node.value.id}.{node.attr}")
+    return found
+
+
+def test_what_other_systems_lack_is_used_in_one_place() -> None:
+    places = {
+        path.name: missing
+        for path in Path(system.__file__).parent.rglob("*.py")
+        if (missing := names_in(path.read_text(encoding="utf-8")) & ELSEWHERE_MISSING)
+    }
+    assert set(places) == {"system.py"}
+    assert {"os.statvfs", "resource", "signal.setitimer"} <= places["system.py"]
+    assert names_in("from os import fork") & ELSEWHERE_MISSING == {"os.fork"}
 
 
 def test_colons_of_drives_are_none_of_datasets(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -118,7 +118,7 @@ def _certificate(folder: Path) -> Iterator[Security]:
         for name in ("tls_ca_file", "tls_worker_cert", "tls_worker_key"):
             file = stack.enter_context(
                 tempfile.NamedTemporaryFile(  # readable by the user alone
-                    "w", prefix=f".{name}-", suffix=".tmp", dir=folder
+                    "w", encoding="ascii", prefix=f".{name}-", suffix=".tmp", dir=folder
                 )
             )
             file.write(getattr(security, name))

@@ -126,7 +126,7 @@ def _read_wisdom(path: Path) -> tuple[bytes, ...] | None:
     """Kept wisdom, or None where there is none that can be read."""
     try:
         double, single, extended = (
-            base64.b64decode(part) for part in json.loads(path.read_text())
+            base64.b64decode(part) for part in json.loads(path.read_text(encoding="ascii"))
         )
     except (OSError, ValueError, TypeError):
         return None
