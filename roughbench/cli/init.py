@@ -57,6 +57,8 @@ def command(name: str | None, template: str) -> None:
     from roughbench.publish import commit
 
     name = name or {"model": "mytheory"}.get(template, template)
+    if template != "model":
+        name = re.sub(r"(?<=.)\.ya?ml$", "", name)
     allowed = r"[A-Za-z][A-Za-z0-9_-]*" if template == "model" else r"[A-Za-z0-9][\w.+-]*"
     if not re.fullmatch(allowed, name, re.ASCII):
         raise click.BadParameter(

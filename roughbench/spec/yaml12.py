@@ -40,7 +40,8 @@ class Loader(yaml.SafeLoader):
         Raises
         ------
         ValueError
-            If the number does not fit: an infinity, a NaN, or an endless integer.
+            If the number does not fit: an infinity, a NaN, an endless integer, or one that
+            would be rounded to zero.
         """
         tag = self.resolve(yaml.ScalarNode, event.value, event.implicit)  # type: ignore[no-untyped-call]
         text: str = event.value
@@ -57,7 +58,10 @@ class Loader(yaml.SafeLoader):
         if tag == _FLOAT:
             if "n" in text.lower() or not math.isfinite(float(text)):
                 raise ValueError(f"must be a finite number, got {text[:40]}")
-            return float(text)
+            real = float(text)
+            if real == 0.0 and re.match(r"[-+.0]*[1-9]", text):
+                raise ValueError(f"must be 0 or at least 5e-324 in size, got {text[:40]}")
+            return real
         return text
 
 

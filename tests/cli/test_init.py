@@ -23,6 +23,8 @@ def test_a_spec_to_start_from_is_valid(folder: Path, invoke: Invoke) -> None:
     again = invoke("init", "rough")
     assert again.exit_code == 1
     assert "error: rough.yaml is there already; choose another name" in again.stderr
+    assert invoke("init", "rough.yaml").stderr == again.stderr
+    assert invoke("init", "other.yml").stdout == "other.yaml\n"
     (folder / "spec.yaml").symlink_to("nowhere")
     assert invoke("init").exit_code == 1
 

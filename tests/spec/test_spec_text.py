@@ -94,6 +94,7 @@ def told(text: str) -> list[str]:
         ("a: -.INF\n", "1:4 a: must be a finite number, got -.INF"),
         ("a: .nan\n", "1:4 a: must be a finite number, got .nan"),
         ("a: 1e999\n", "1:4 a: must be a finite number, got 1e999"),
+        ("a: -0.1e-400\n", "1:4 a: must be 0 or at least 5e-324 in size, got -0.1e-400"),
         (f"a: {2**63}\n", f"1:4 a: must be an integer below 2**63, got {2**63}"),
         (f"a: {'9' * 5000}\n", f"1:4 a: must be an integer below 2**63, got {'9' * 40}"),
         ('a: "\\uD800"\n', "1:4 a: holds the half character U+D800; remove it"),
