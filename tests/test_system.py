@@ -8,6 +8,7 @@ import io
 import multiprocessing.resource_tracker
 import ntpath
 import os
+import re
 import signal
 import sys
 import time
@@ -37,9 +38,14 @@ ELSEWHERE_MISSING = {
 """Modules and names that Windows, or Linux without more, does not have."""
 
 
+_mentioned = re.compile(r"\b({})\b".format("|".join(map(re.escape, ELSEWHERE_MISSING)))).search
+
+
 def names_in(text: str) -> set[str]:
     """Return the modules that a text imports, and the names that it takes of them."""
     found: set[str] = set()
+    if not (_mentioned(text) or re.search(r"from (os|signal) import", text)):
+        return found  # to parse takes longer
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}

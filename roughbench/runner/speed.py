@@ -23,9 +23,9 @@ from roughbench.models.base import Model
 from roughbench.planning.cells import Cell
 from roughbench.planning.tasks import Task
 from roughbench.publish import commit
-from roughbench.rundir.identity import code_digest
+from roughbench.rundir.identity import code_digest, transforms
 from roughbench.spec import SelfAffineSurface
-from roughbench.transform import cache_folder
+from roughbench.transform import cache_folder, fft_backend
 
 _POINTS = {1: 8192, 2: 256}
 """Points per side of what is computed to measure."""
@@ -90,10 +90,12 @@ def _kind(model: Model) -> str:
 
 
 def _key(model: Model) -> str:
-    """Return what the speed depends on: options, code, machine; not the number of points."""
+    """Return what the speed depends on: options, code, transforms, machine; not the points."""
     no_matter = {"label", "realizations", *model.sampling[:1]}
     options = model.model_dump(mode="json", exclude=no_matter)
-    content = json.dumps([options, code_digest(type(model)), platform.node()], sort_keys=True)
+    origin = [code_digest(type(model)), platform.node()]
+    origin += [fft_backend()] * transforms(type(model))
+    content = json.dumps([options, *origin], sort_keys=True)
     return f"{_kind(model)} {hashlib.sha256(content.encode()).hexdigest()[:12]}"
 
 

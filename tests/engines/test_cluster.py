@@ -136,6 +136,16 @@ def test_workers_with_other_code_are_refused(
 
 
 @pytest.mark.slow
+def test_workers_with_another_library_of_transforms_are_refused(
+    processes: Processes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(dask_workers, "transforms", lambda _: True)
+    monkeypatch.setattr(dask_workers, "fft_backend", lambda: "another")
+    with pytest.raises(rb.RoughbenchError, match="has another library of Fourier transforms"):
+        rb.run(SPEC, cluster=processes.here)
+
+
+@pytest.mark.slow
 def test_what_no_worker_can_do_is_an_error_at_once(processes: Processes) -> None:
     models = [{"kind": "bem", "grid": 32768}]  # which nobody could begin with
     large = {**SPEC, "models": models}
