@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roughbench.errors import RoughbenchError
+from roughbench.text import on_one_line
 
 if TYPE_CHECKING:
     from pandas import DataFrame as DataFrame
@@ -86,7 +87,7 @@ def together(
     parts = _alike(parts)
     whole = xarray.concat(
         parts,
-        pandas.Index(names, name="experiment"),
+        pandas.Index(names, dtype=object, name="experiment"),
         data_vars="all",
         coords="different",
         compat="equals",
