@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roughbench.errors import RoughbenchError
-from roughbench.text import on_one_line
 
 if TYPE_CHECKING:
     from pandas import DataFrame as DataFrame
