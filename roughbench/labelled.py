@@ -86,7 +86,7 @@ def together(
     parts = _alike(parts)
     whole = xarray.concat(
         parts,
-        pandas.Index(names, name="experiment"),
+        pandas.Index(names, dtype=object, name="experiment"),
         data_vars="all",
         coords="different",
         compat="equals",

@@ -178,8 +178,10 @@ def _figure_of(axes: Axes) -> Figure:
     """Return the whole figure that a panel is in."""
     from matplotlib.figure import Figure
 
-    figure = axes.get_figure(root=True)
-    if not isinstance(figure, Figure):
+    figure: Any = axes.figure
+    while figure is not None and not isinstance(figure, Figure):
+        figure = figure.figure  # of a part of a figure, the whole
+    if figure is None:
         raise StoreError("ax is in no figure: make both with matplotlib.pyplot.subplots")
     return figure
 

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.gridspec import GridSpec
 
 import roughbench as rb
 from roughbench import figures
@@ -105,6 +106,12 @@ def test_what_is_not_there_is_refused_as_by_render(one: Results) -> None:
     with pytest.raises(rb.StoreError, match="either ax or style"):
         rb.plot(one, "area", ax=plt.figure().subplots(), style="ggplot")
     assert not plt.figure().axes
+    alone = plt.figure().subplots()
+    alone.remove()
+    with pytest.raises(rb.StoreError, match="ax is in no figure"):
+        rb.plot(one, "area", ax=alone)
+    part = plt.figure().add_subfigure(GridSpec(1, 2)[0]).subplots()
+    assert rb.plot(one, "area", ax=part) is part
 
 
 def test_a_figure_from_outside_has_panels_of_its_own(
@@ -157,8 +164,8 @@ def test_a_bad_style_is_refused(
 
 
 def test_formats(one: Results, tmp_path: Path) -> None:
-    paths = figures.render(one, "area", tmp_path / "a", "my.h5", formats=["svg", "pdf"])
-    assert [path.name for path in paths] == ["area.svg", "area.pdf"]
+    paths = figures.render(one, "area", tmp_path / "a", "my.h5", formats=["svg", "png"])
+    assert [path.name for path in paths] == ["area.svg", "area.png"]
     assert figures.drawn_of(tmp_path / "a") == {"my.h5"}
     svg = paths[0].read_bytes()
     figures.render(one, "area", tmp_path / "a", "my.h5", formats=["svg"])  # over its own

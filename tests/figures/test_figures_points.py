@@ -178,7 +178,7 @@ def test_plot_on_the_command_line(
     small_spec: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    write_results(rb.run(small_spec), "small.h5")
+    write_results(rb.run(small_spec | {"models": [{"kind": "persson"}]}), "small.h5")
     Path("points.csv").write_text("pressure,area\n1e-3,0.02\n")
     command = ["plot", "small.h5", "--overlay", "points.csv", "--format", "svg"]
     done = CliRunner().invoke(main, [*command, "--figure", "area", "--figure", "spectrum"])
