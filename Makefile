@@ -16,19 +16,28 @@ PARALLEL := -n $(JOBS) --dist worksteal
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help demo units test test-all test-minimum lint smoke fig1 fig2 fig3 fig4 figures paper-fig3 \
-	paper-fig4 paper-bem study study-contenders \
+	paper-fig4 paper-bem study study-page study-figures study-contenders \
 	study-fields study-size study-rolloff study-below study-hurst study-cutoff \
-	study-resolution compare compare-tamaas compare-conventions compare-scans notebooks outside-model preparation faults \
+	study-resolution study-ladder study-slope-8 study-slope-32 study-slope-32-coarse \
+	study-slope-128-few study-slope-128 study-slope-512 study-paper-size \
+	study-contenders-256 study-cells study-exponents-8 study-exponents-64 study-gaussian study-points study-finite-size \
+	study-finite-size-rolloff compare compare-tamaas compare-conventions compare-scans \
+	notebooks outside-model preparation faults \
 	hard bench \
 	site site-links readme-figures models dist dist-check clean distclean setup setup-dev python
 
 help: ## this list
-	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / { printf "  make %-18s%s\n", $$1, $$2 }' Makefile
+	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / { printf "  make %-27s%s\n", $$1, $$2 }' Makefile
 	@echo
 	@echo "  PYTHON=/path/to/python3 chooses the Python (3.11 or newer) of .venv, JOBS=N how many"
 	@echo "  tasks run at once. Results go to results/, figures to figures/."
 
 STUDIES := contenders fields size rolloff below hurst cutoff resolution
+# What docs/study.md rests on, the quickest first; and what would be needed beyond.
+KEPT := ladder slope-32-coarse contenders-256 cells exponents-64 exponents-8 gaussian points \
+	finite-size finite-size-rolloff slope-128-few slope-8 \
+	slope-32 slope-128
+LARGE := slope-512 paper-size
 
 ## -- computing -------------------------------------------------------------------------
 
@@ -76,8 +85,14 @@ paper-fig3: ## area and separation at the paper's q1 = 8192 q0, as Fig. 3
 paper-fig4: ## stiffness at the paper's q1 = 8192 q0, as Fig. 4
 paper-bem: ## the exact solver at q1 = 8192 q0: 13.5 GB of memory, two hours
 
-$(STUDIES:%=study-%): setup
+$(STUDIES:%=study-%) $(KEPT:%=study-%) $(LARGE:%=study-%): setup
 	$(call compute,$@,configs/study/$(@:study-%=%).yaml)
+
+study-page: $(KEPT:%=study-%) ## every run that docs/study.md rests on, and the page; hours
+	$(BIN)/python scripts/study_figures.py --keep results
+
+study-figures: setup ## numbers, figures and docs/study.md from the kept results; a minute
+	$(BIN)/python scripts/study_figures.py
 
 study: $(STUDIES:%=study-%) ## every run of the study and its report: an hour
 	$(BIN)/roughbench report $(STUDIES:%=results/study-%.h5) -o figures/study.html
@@ -90,6 +105,22 @@ study-below: ## below the roll-off: a flat spectrum, or nothing
 study-hurst: ## the Hurst exponent from 0.3 to 0.9
 study-cutoff: ## the cut-off from 32 to 1024 q0
 study-resolution: ## the same surfaces on finer and finer grids
+study-ladder: ## from the half-space to springs, by a largest wave that couples
+study-slope-8: ## local slope of ū over ln p at q1 = 8 q_r, 4096 bumps
+study-slope-32: ## the same at 32 q_r
+study-slope-32-coarse: ## the same on two points per shortest wave
+study-slope-128-few: ## the same at 128 q_r, 64 bumps
+study-slope-128: ## the same at 128 q_r; hours
+study-slope-512: ## the same at 512 q_r, 8192² points; many hours
+study-paper-size: ## q1 = 8192 q0, few loads, 16384² points; many hours, 13.5 GB
+study-contenders-256: ## every contender, q1 = 256 q0; with distributions and spectra
+study-cells: ## q1 = 8 q_r in cells with 256 and 1024 bumps of the roll-off
+study-exponents-8: ## H from 0.3 to 0.9 with 64 bumps of the roll-off
+study-exponents-64: ## the same with 4096
+study-gaussian: ## Gaussian amplitudes beside fixed ones
+study-points: ## two, four and eight points on the shortest wave
+study-finite-size: ## the finite-size law, eq. (10), for four H
+study-finite-size-rolloff: ## the same for q_r = 2 and 4 q0
 
 ## -- checking --------------------------------------------------------------------------
 
