@@ -223,9 +223,13 @@ def _run_share(
 ) -> None:
     """Compute a share, and say what is left."""
     from roughbench.cli.progress import progress_shown
+    from roughbench.errors import RoughbenchError
     from roughbench.runner import parse_share, run_share
 
-    share = parse_share(text)
+    try:
+        share = parse_share(text)
+    except RoughbenchError as error:
+        raise click.BadParameter(str(error), param_hint="--share") from None
     given = {"--force": options.pop("force"), "--only": options.pop("only")}
     given |= {"--engine": options["kind"] != "local", "--dry-run": dry_run}
     for name, value in given.items():
