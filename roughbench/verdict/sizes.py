@@ -7,12 +7,21 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from roughbench.fits import MISSING, Estimate, n_random
-from roughbench.fits.resampling import draw_counts, estimate, resampled_means
+from roughbench.fits.resampling import (
+    draw_counts,
+    estimate,
+    harmonic_means,
+    resampled_means,
+)
 from roughbench.results import ModelResult
 
 FloatArray = NDArray[np.float64]
+
+STEPS = 64
+"""Between two pressures of the results, where a curve is looked up."""
 
 
 def size_exponent(
@@ -49,9 +58,12 @@ def size_exponent(
         counts = draw_counts(model.n_realizations, resamples, 0)
         means = resampled_means(model, "separation", counts)
         x = np.log(np.asarray(model["pressure"], float))
+        stiffness = harmonic_means(model, "stiffness", counts)
+        fine = np.interp(np.arange((x.size - 1) * STEPS + 1) / STEPS, np.arange(x.size), x)
+        curves = [_between(x, mean, k, fine) for mean, k in zip(means, stiffness, strict=True)]
         if math.isnan(level):
-            level = float(np.interp(middle, x, means[0]))
-        places.append(_pressure_at(x, means, level))
+            level = float(np.interp(middle, fine, curves[0]))
+        places.append(_pressure_at(fine, curves, level))
     count = max(len(place) for place in places)
     table = np.stack([np.broadcast_to(place, count) for place in places], axis=1)
     offset = sizes - sizes.mean()
@@ -59,10 +71,26 @@ def size_exponent(
     return estimate(slopes, count=n_random(*series))
 
 
-def _pressure_at(x: FloatArray, means: FloatArray, level: float) -> FloatArray:
+def _between(
+    x: FloatArray, separation: FloatArray, stiffness: FloatArray, fine: FloatArray
+) -> FloatArray:
+    """Return ū between the pressures of the results, which may be half a decade apart.
+
+    With dū/d ln p = −p⟨1/K⟩ as the slopes of a cubic, and monotone where K is not given.
+    """
+    if not np.isfinite(separation).all():
+        return np.interp(fine, x, separation)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slopes = -np.exp(x) / stiffness
+    if np.isnan(slopes).any():
+        return np.asarray(PchipInterpolator(x, separation)(fine))
+    return np.asarray(CubicHermiteSpline(x, separation, slopes)(fine))
+
+
+def _pressure_at(x: FloatArray, curves: Sequence[FloatArray], level: float) -> FloatArray:
     """Return ln p at which each falling curve passes a level; nan where it does not."""
-    place = np.full(len(means), math.nan)
-    for row, curve in enumerate(means):
+    place = np.full(len(curves), math.nan)
+    for row, curve in enumerate(curves):
         if curve[-1] < level < curve[0]:
             place[row] = np.interp(-level, -curve, x)
     return place
