@@ -74,7 +74,7 @@ def main() -> int:
     stage()
     builder, target = ("linkcheck", "site-links") if options.linkcheck else ("html", "site")
     strict = [] if options.linkcheck else ["--fail-on-warning", "--nitpicky", "--keep-going"]
-    words = ["-b", builder, "-c", str(OWN), *strict, "--quiet", "--jobs", "auto"]
+    words = ["-b", builder, "-c", str(OWN), *strict, "--quiet", "--write-all", "--jobs", "auto"]
     folders = [str(SOURCE), str(SITE.with_name(target))]
     done = subprocess.run([sys.executable, "-m", "sphinx", *words, *folders], check=False)
     if not done.returncode and not options.linkcheck:
