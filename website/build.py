@@ -24,14 +24,7 @@ SOURCE = ROOT / "build" / "site-source"
 SITE = ROOT / "build" / "site"
 OWN = Path(__file__).parent
 
-PAGES = (
-    "README.md",
-    "CHANGELOG.md",
-    "CONTRIBUTING.md",
-    "CITATION.cff",
-    "LICENSE",
-    "pyproject.toml",
-)
+BESIDE = ("CITATION.cff", "LICENSE", "pyproject.toml")
 FOLDERS = ("docs", "examples", "configs", "scripts")
 UNWANTED = shutil.ignore_patterns("__pycache__", "*.h5", "*.rbrun", ".ipynb_checkpoints")
 
@@ -41,8 +34,8 @@ def stage() -> None:
     for folder in FOLDERS:
         shutil.rmtree(SOURCE / folder, ignore_errors=True)
         shutil.copytree(ROOT / folder, SOURCE / folder, ignore=UNWANTED)
-    for page in PAGES:
-        shutil.copy2(ROOT / page, SOURCE / page)
+    for page in [*ROOT.glob("*.md"), *(ROOT / name for name in BESIDE)]:
+        shutil.copy2(page, SOURCE / page.name)
     write("index.md", with_all_pages((OWN / "index.md").read_text(encoding="utf-8")))
     write("reference/commands.md", commands_page())
     write("reference/python.md", python_page())
@@ -58,15 +51,14 @@ def write(name: str, text: str) -> None:
 
 
 def with_all_pages(index: str) -> str:
-    """Add the pages that the index does not name, such as notebooks, as a part of their own."""
-    found = [
-        page.relative_to(SOURCE).with_suffix("").as_posix()
-        for folder in ("docs", "examples")
-        for page in sorted((SOURCE / folder).rglob("*"))
-        if page.suffix in (".md", ".ipynb")
-    ]
+    """Add the pages that the index does not name as a part of their own."""
+    pages = [*SOURCE.glob("*.md")]
+    for folder in ("docs", "examples"):
+        pages += (SOURCE / folder).rglob("*.md")
+        pages += (SOURCE / folder).rglob("*.ipynb")
+    found = sorted({page.relative_to(SOURCE).with_suffix("").as_posix() for page in pages})
     named = set(re.findall(r"^(?:.*<)?([\w/-]+)>?$", index, re.MULTILINE))
-    others = [page for page in found if page not in named]
+    others = [page for page in found if page not in named | {"index"}]
     if not others:
         return index
     return index + "\n".join(
@@ -82,7 +74,7 @@ def main() -> int:
     stage()
     builder, target = ("linkcheck", "site-links") if options.linkcheck else ("html", "site")
     strict = [] if options.linkcheck else ["--fail-on-warning", "--nitpicky", "--keep-going"]
-    words = ["-b", builder, "-c", str(OWN), *strict, "--quiet", "--jobs", "auto"]
+    words = ["-b", builder, "-c", str(OWN), *strict, "--quiet", "--write-all", "--jobs", "auto"]
     folders = [str(SOURCE), str(SITE.with_name(target))]
     done = subprocess.run([sys.executable, "-m", "sphinx", *words, *folders], check=False)
     if not done.returncode and not options.linkcheck:

@@ -20,6 +20,7 @@ def test_they_are_all_there() -> None:
         "fig2.yaml",
         "fig3.yaml",
         "fig4.yaml",
+        "models.yaml",
         "paper/bem.yaml",
         "paper/fig3.yaml",
         "paper/fig4.yaml",
