@@ -54,7 +54,7 @@ def command(
     reference: str | None,
     resamples: int,
 ) -> None:
-    """Pack RESULTS and all that belongs to them into one archive, for a supplement.
+    """Pack RESULTS, spec, figures and report into one archive.
 
     The results file, its spec, the heights and models that it names, figures, report, the
     versions that computed it, a requirements file that pins them, checksums, and how to

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 @debug_option
 @click.pass_context
 def command(ctx: click.Context, spec: Path | None, as_json: bool) -> None:  # noqa: FBT001
-    """Say what this machine offers, what a run would miss, and how long SPEC takes.
+    """Say what this machine offers, and how long SPEC takes.
 
     Versions, cores, memory and the largest grid that the exact solver has room for; the time
     of Fourier transforms; whether the cache folder and the current folder can be written and

@@ -69,7 +69,7 @@ def command(
     quiet: bool,  # noqa: FBT001
     **options: Any,
 ) -> None:
-    """Compute RESULTS anew from the spec in it, and say how far the two are apart.
+    """Compute RESULTS anew, and say how far the two are apart.
 
     RESULTS may be of an earlier version of roughbench, and needs no other file beside it than
     heights and models that its spec names. It stays as it is. For every quantity of every

@@ -150,13 +150,13 @@ def command(
     share: str,
     **options: Any,
 ) -> None:
-    """Compute what SPEC asks for, and is not there already; - reads it from standard input.
+    """Compute what SPEC asks for, and is not there already.
 
-    Writes the results file and prints its path. Finished tasks are kept in its run directory,
-    RESULTS.rbrun; after an interruption, a crash or a change of the spec the same command
-    computes what is missing. States that do not converge are left out of the averages,
-    counted in the file and reported here. Observables and fields that SPEC asks for are
-    taken from the states as they are solved.
+    SPEC is a file, or - for standard input. Writes the results file and prints its path.
+    Finished tasks are kept in its run directory, RESULTS.rbrun; after an interruption, a
+    crash or a change of the spec the same command computes what is missing. States that do
+    not converge are left out of the averages, counted in the file and reported here.
+    Observables and fields that SPEC asks for are taken from the states as they are solved.
     """
     from roughbench.cli.progress import progress_shown
     from roughbench.runner import Cluster, accounts, preview, run_to_file

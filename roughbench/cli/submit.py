@@ -67,7 +67,7 @@ def command(
     as_json: bool,  # noqa: FBT001
     **given: Any,
 ) -> None:
-    """Submit SPEC as an array of jobs of Slurm, with a job behind them that assembles it.
+    """Submit SPEC to Slurm, as an array of jobs.
 
     Each job computes one share (run --share), and says what it does in RESULTS.rbrun/jobs.
     When all have ended, however they have, the last job computes what is missing and writes

@@ -32,10 +32,11 @@ if TYPE_CHECKING:
 @debug_option
 @click.pass_context
 def command(ctx: click.Context, specs: tuple[Path, ...], as_json: bool) -> None:  # noqa: FBT001
-    """Check each SPEC without computing anything; - reads one from standard input.
+    """Check each SPEC without computing anything.
 
-    Says what it would compute, or all that is wrong with it. Every fault comes with
-    file, line, column and key. The exit code is 2 if any spec has one.
+    SPEC is a file, or - for standard input. Says what it would compute, or all that is
+    wrong with it. Every fault comes with file, line, column and key. The exit code is 2 if
+    any spec has one.
     """
     from roughbench.cli import EXIT_INVALID
 
