@@ -86,7 +86,7 @@ def together(
     parts = _alike(parts)
     whole = xarray.concat(
         parts,
-        pandas.Index(names, dtype=object, name="experiment"),
+        _index(names, name="experiment"),
         data_vars="all",
         coords="different",
         compat="equals",
@@ -101,13 +101,19 @@ def together(
         return whole.assign_coords(
             {key: ("experiment", values) for key, values in swept.items()}
         )
-    levels = [list(dict.fromkeys(values)) for values in swept.values()]
+    levels = [_index(list(dict.fromkeys(values))) for values in swept.values()]
     order = pandas.MultiIndex.from_product(levels, names=list(swept))
     place = {choice: k for k, choice in enumerate(choices)}
     whole = whole.isel(experiment=[place[choice] for choice in order])
     index = xarray.Coordinates.from_pandas_multiindex(order, "experiment")
     made: Dataset = whole.drop_vars("experiment").assign_coords(index).unstack("experiment")
     return made.transpose(*swept, ...)
+
+
+def _index(values: list[Any], name: str | None = None) -> Any:
+    """Return an index, text as objects: NumPy 1 knows no strings like those of pandas 3."""
+    text = any(isinstance(value, str) for value in values)
+    return _package("pandas").Index(values, dtype=object if text else None, name=name)
 
 
 def tree(datasets: Mapping[str, Dataset], attributes: Mapping[str, Any]) -> DataTree:

@@ -191,7 +191,7 @@ def test_precisions_that_are_none(value: Any) -> None:
         ([0.1 + 1j], "pressures must be real numbers, got dtype complex128"),
         (np.array([0.1 + 0j]), "pressures must be real numbers, got dtype complex128"),
         ([[0.1], [0.1, 0.2]], "pressures must be a rectangular array"),
-        (None, "pressures must be real numbers, got dtype object|exactly one of pressures and"),
+        (None, "pressures must be real numbers, got dtype object|one of pressures, forces"),
     ],
 )
 def test_pressures_that_are_none(

@@ -89,7 +89,7 @@ def test_json_on_stdout_alone(scan: Path, tmp_path: Path) -> None:
         (("--size", "1 / 10 um", "--unit", "nm"), 1, "two ways"),
         ((*GIVEN, "--fill", "150%"), 2, "must be a share"),
         ((*GIVEN, "--fill", "0"), 2, "missing"),
-        ((*GIVEN, "--figure", "plate.jpeg"), 1, ".png or .pdf"),
+        ((*GIVEN, "--figure", "plate.jpeg"), 1, ".png, .pdf or .svg"),
         ((*GIVEN, "--detrend", "cubic"), 2, "plane"),
     ],
 )
