@@ -77,7 +77,7 @@ def _solve(load: float) -> ContactState:
 
 
 def test_a_pool_returns_states() -> None:
-    with multiprocessing.get_context("spawn").Pool(2) as pool:
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
         states = pool.map(_solve, LOADS)
     for load, state in zip(LOADS, states, strict=True):
         same(state, _solve(load))
