@@ -196,7 +196,7 @@ def test_plot_joins_results_of_two_files(
     monkeypatch.setattr("roughbench.store.load", lambda path: known[Path(path).name])
     seen: list[Results] = []
 
-    def note(results: Results, *_: object) -> list[Path]:
+    def note(results: Results, *_: object, **_options: object) -> list[Path]:
         seen.append(results)
         return []
 
