@@ -109,11 +109,8 @@ roughbench run "$folder/spec.yaml" -o "$folder/here.h5" --threads 1 -q
     roughbench submit spec.yaml -o shared.h5 --array 40 --walltime 00:10:00 --partition main
     array=$(squeue --noheader --format=%F | sort -n | head -n 1)
     killed=0
-    for number in 3 4 11; do  # as they begin
-        for _ in $(seq 1200); do
-            squeue --noheader --states=R --format=%K | grep -qx $number && break
-            sleep 0.1
-        done
+    for number in 3 4 11; do  # as they begin: a signal to one that waits ends all that wait
+        until squeue --noheader --states=R --format=%K | grep -qx $number; do sleep 0.1; done
         scancel --signal=KILL --full "${array}_$number" && killed=$((killed + 1))
     done
     echo "killed $killed shares of job $array"
