@@ -17,6 +17,10 @@ settings.register_profile("roughbench", deadline=None)
 settings.load_profile("roughbench")
 
 
+collect_ignore = ["elsewhere/sitecustomize.py"]
+"""To import it is to lose what it takes away: doctests must not."""
+
+
 @pytest.fixture(autouse=True)
 def floating_point_errors_raise() -> Iterator[None]:
     """Make every overflow, division by zero and invalid operation an error.
