@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from roughbench.fits import MISSING, Estimate, n_random
+from roughbench.fits.interpolation import separation_between
 from roughbench.fits.resampling import (
     draw_counts,
     estimate,
@@ -60,7 +60,10 @@ def size_exponent(
         x = np.log(np.asarray(model["pressure"], float))
         stiffness = harmonic_means(model, "stiffness", counts)
         fine = np.interp(np.arange((x.size - 1) * STEPS + 1) / STEPS, np.arange(x.size), x)
-        curves = [_between(x, mean, k, fine) for mean, k in zip(means, stiffness, strict=True)]
+        curves = [
+            separation_between(x, mean, k, fine)
+            for mean, k in zip(means, stiffness, strict=True)
+        ]
         if math.isnan(level):
             level = float(np.interp(middle, fine, curves[0]))
         places.append(_pressure_at(fine, curves, level))
@@ -69,22 +72,6 @@ def size_exponent(
     offset = sizes - sizes.mean()
     slopes = np.asarray(table @ offset / (offset @ offset))
     return estimate(slopes, count=n_random(*series))
-
-
-def _between(
-    x: FloatArray, separation: FloatArray, stiffness: FloatArray, fine: FloatArray
-) -> FloatArray:
-    """Return ū between the pressures of the results, which may be half a decade apart.
-
-    With dū/d ln p = −p⟨1/K⟩ as the slopes of a cubic, and monotone where K is not given.
-    """
-    if not np.isfinite(separation).all():
-        return np.interp(fine, x, separation)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        slopes = -np.exp(x) / stiffness
-    if np.isnan(slopes).any():
-        return np.asarray(PchipInterpolator(x, separation)(fine))
-    return np.asarray(CubicHermiteSpline(x, separation, slopes)(fine))
 
 
 def _pressure_at(x: FloatArray, curves: Sequence[FloatArray], level: float) -> FloatArray:

@@ -410,7 +410,9 @@ def test_lines_are_refused_with_the_reason() -> None:
 def test_curves_take_one_of_both() -> None:
     cases: list[dict[str, Any]] = [{}, {"pressures": [1.0], "forces": [1.0]}]
     for options in cases:
-        with pytest.raises(SolverError, match="exactly one of pressures and forces"):
+        with pytest.raises(
+            SolverError, match="exactly one of pressures, forces and separations"
+        ):
             solve_curve(np.eye(4), **options)
 
 
