@@ -10,8 +10,8 @@ JOBS ?= $(shell nproc 2>/dev/null || echo 1)
 BIN := .venv/bin
 MINIMUM := .venv-minimum
 # Each worker begins with its own part of the tests, whose fixtures it keeps; the first that has
-# finished takes tests from the others. Tests wait for processes, locks and clocks for some 40 % of
-# their time: half as many workers again as cores.
+# finished takes tests from the others. Half as many workers again as cores: tests wait for
+# processes, locks and clocks.
 PARALLEL := -n $(shell expr $(JOBS) + $(JOBS) / 2) --dist worksteal
 
 .DEFAULT_GOAL := help

@@ -158,8 +158,9 @@ def test_a_hardness_that_is_never_reached_changes_nothing() -> None:
     wave = 0.01 * np.cos(2 * np.pi * x)
     full = np.pi * 0.01
     loads = np.array([0.1, 0.5, 0.9, 2.0]) * full
-    elastic = exact.solve_curve(wave, loads, threads=1)
-    bounded = exact.solve_curve(wave, loads, hardness=10 * full, threads=1)
+    # At 1e-6 both are free to differ by more than is asked for: ū is 0.007 h_rms at 0.9.
+    elastic = exact.solve_curve(wave, loads, tolerance=1e-10, threads=1)
+    bounded = exact.solve_curve(wave, loads, tolerance=1e-10, hardness=10 * full, threads=1)
     for name in ("area", "separation", "stiffness", "energy"):
         expected = getattr(elastic, name)
         assert getattr(bounded, name) == pytest.approx(expected, rel=1e-5, abs=1e-9), name
