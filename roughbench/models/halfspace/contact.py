@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,14 +22,12 @@ from roughbench.models.halfspace.separation import (
     solve_at_separation,
 )
 from roughbench.models.halfspace.solver import Solution, Solver
-from roughbench.models.halfspace.states import solve_states
+from roughbench.models.halfspace.start import PREDICTION_REACH
+from roughbench.models.halfspace.states import solve_states, state_of
 from roughbench.models.halfspace.working_set import WorkingSet
 
 if TYPE_CHECKING:
     from roughbench.labelled import Dataset
-
-FURTHEST = 4.0
-"""Most by which pressures are multiplied to start from."""
 
 
 class ContactState:
@@ -276,13 +274,7 @@ def solve_contact(
     >>> bool(abs(state.force / (4 / 3 * 10.0**0.5 * 0.01**1.5) - 1) < 2e-2)
     True
     """
-    given = {"pressure": pressure, "separation": separation, "force": force}
-    named = [name for name, value in given.items() if value is not None]
-    if len(named) != 1:
-        raise SolverError(
-            "give exactly one of pressure, separation and force, got "
-            + (" and ".join(named) or "none of them")
-        )
+    _check_one(pressure=pressure, separation=separation, force=force)
     problem = Problem(
         *(heights, length, modulus, tolerance, precision, threads, max_iterations),
         *(correction, hardness, screening, boundary),
@@ -369,13 +361,7 @@ def solve_curve(
         If an argument is out of its range, the heights are not finite, or the grid does
         not fit into memory.
     """
-    given = {"pressures": pressures, "forces": forces, "separations": separations}
-    named = [name for name, values in given.items() if values is not None]
-    if len(named) != 1:
-        raise SolverError(
-            "give exactly one of pressures, forces and separations, got "
-            + (" and ".join(named) or "none of them")
-        )
+    _check_one(pressures=pressures, forces=forces, separations=separations)
     if separations is not None:
         problem = Problem(
             *(heights, length, modulus, tolerance, precision, threads, max_iterations),
@@ -416,48 +402,46 @@ def _curve_at(problem: Problem, separations: FloatArray) -> CompleteCurve:
             f"separations must be a list of one or more, got shape {separations.shape}"
         )
     solver = problem.solver
+    order = np.argsort(-separations, kind="stable")
     nominal = np.empty(separations.size)
     states: dict[int, State] = {}
     start: FloatArray | None = None
-    for i in np.argsort(-separations, kind="stable"):
+    for i, following in zip(order, [*order[1:], None], strict=True):
         solution = _at_separation(problem, float(separations[i]), start)
-        state = ContactState(problem, solution, solution.load)
-        nominal[i] = state.force / problem.area
-        states[int(i)] = _as_state(problem, state, float(nominal[i]))
-        following = separations[separations < separations[i]].max(initial=-math.inf)
-        if not problem.free and solution.load > 0.0 and following > -math.inf:
+        load = solution.load
+        stiffness, _ = solver.tangent(solution.points)
+        nominal[i] = load * problem.pressure_unit
+        states[i] = state_of(
+            problem, float(nominal[i]), load, solution, stiffness, pairs=solution.pairs
+        )
+        start = None
+        if following is not None and load > 0.0 and not problem.free:
+            wanted = float(separations[following]) / problem.height_unit
             load = load_towards(
                 solver,
-                following / problem.height_unit,
-                from_load=solution.load,
+                wanted,
+                from_load=load,
                 separation=solution.separation,
-                stiffness=state.stiffness() * solver.rms / problem.pressure_unit,
+                stiffness=stiffness,
             )
-            start = None
-            if load <= FURTHEST * solution.load:
+            if load <= PREDICTION_REACH * solution.load:
                 start = solver.dense(solution)[0] * (load / solution.load)
-    ordered = [states[int(i)] for i in np.argsort(nominal, kind="stable")]
-    return CompleteCurve.from_states(ordered, nominal)
+    # By pressure: states without contact have the same, and need not be in the order solved.
+    rising = [states[i] for i in np.argsort(nominal, kind="stable")]
+    return CompleteCurve.from_states(rising, nominal)
 
 
-def _as_state(problem: Problem, state: ContactState, pressure: float) -> State:
-    """Return the quantities of a curve."""
-    diagnostics: dict[str, float | np.number[Any]] = {
-        "complementarity": state.certificate.complementarity,
-        "penetration": state.certificate.penetration,
-        "load_error": state.certificate.load_error,
-        "iterations": np.int32(state.iterations),
-        "transform_pairs": np.int32(state.transform_pairs),
-    }
-    if problem.hardness is not None:
-        diagnostics["plastic_depth"] = state.plastic_depth
-    return State(
-        pressure=pressure,
-        area=state.area_fraction,
-        separation=state.mean_separation,
-        stiffness=state.stiffness(),
-        energy=state.energy,
-        status=state.status,
-        area_raw=state.area_fraction_raw,
-        diagnostics=diagnostics,
-    )
+def _check_one(**given: object) -> None:
+    """Refuse anything but one argument.
+
+    Raises
+    ------
+    SolverError
+    """
+    named = [name for name, value in given.items() if value is not None]
+    if len(named) != 1:
+        *others, last = given
+        raise SolverError(
+            f"give exactly one of {', '.join(others)} and {last}, got "
+            + (" and ".join(named) or "none of them")
+        )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -71,48 +72,84 @@ def solve_states(
     for i in np.argsort(nominal, kind="stable")[latest.done :]:
         load, pairs = float(loads[i]), solver.pairs
         latest.begin(load)
+        stiffness: float = math.inf
         if solver.is_full(load):
             before.clear()
-            area = raw = 1.0
-            separation, stiffness = 0.0, math.inf
-            energy, certificate, depth = solver.full_energy, solver.full_contact(load), 0.0
-            status, iterations = Status.CONVERGED, 0
         else:
             start = solver.predict(*before.pop(), load) if before else None
-            solution = solver.solve(load, solver.cold_start(load) if start is None else start)
+            latest.solution = solver.solve(
+                load, solver.cold_start(load) if start is None else start
+            )
             del start
-            area, raw = solver.area(solution.points, problem.correction)
-            tangent, rate = solver.tangent(solution.points)
-            before = [(load, solution.points, rate)]
+            stiffness, rate = solver.tangent(latest.solution.points)
+            before = [(load, latest.solution.points, rate)]
             del rate
-            separation = solution.separation * solver.rms
-            stiffness = tangent * problem.pressure_unit / solver.rms
-            energy, certificate = solution.energy, solution.certificate
-            depth = solution.plastic_depth
-            status, iterations = solution.status, solution.iterations
-            latest.solution = solution
-            del solution
-        diagnostics: dict[str, float | np.number[Any]] = {
-            "complementarity": certificate.complementarity,
-            "penetration": certificate.penetration,
-            "load_error": certificate.load_error,
-            "iterations": np.int32(iterations),
-            "transform_pairs": np.int32(solver.pairs - pairs),
-        }
-        if hardness is not None:
-            diagnostics["plastic_depth"] = float(depth * solver.rms)
-        yield State(
-            pressure=float(nominal[i]),
-            area=float(area),
-            separation=float(separation),
-            stiffness=float(stiffness),
-            energy=float(energy * problem.energy_unit),
-            status=status,
-            area_raw=float(raw),
-            diagnostics=diagnostics,
+        state = state_of(
+            *(problem, float(nominal[i]), load, latest.solution, stiffness),
+            pairs=solver.pairs - pairs,
+        )
+        yield replace(
+            state,
             fields=partial(latest.fields, latest.done),
             snapshot=partial(latest.snapshot, latest.done),
         )
+
+
+def state_of(
+    problem: Problem,
+    pressure: float,
+    load: float,
+    solution: Solution | None,
+    stiffness: float,
+    *,
+    pairs: int,
+) -> State:
+    """Return the quantities of one state of a curve, in the units of the heights and E*.
+
+    Parameters
+    ----------
+    problem : Problem
+    pressure : float
+        Nominal one, in the unit of the modulus.
+    load : float
+        The same, dimensionless.
+    solution : Solution or None
+        None in full contact.
+    stiffness : float
+        −dp̄/dū, without a period dp̄/dδ; dimensionless.
+    pairs : int
+        Transform pairs that the state took.
+    """
+    solver, unit = problem.solver, problem.height_unit
+    if solution is None:
+        area = raw = 1.0
+        separation, depth = 0.0, 0.0
+        energy, certificate = solver.full_energy, solver.full_contact(load)
+        status, iterations = Status.CONVERGED, 0
+    else:
+        area, raw = solver.area(solution.points, problem.correction)
+        separation, depth = solution.separation, solution.plastic_depth
+        energy, certificate = solution.energy, solution.certificate
+        status, iterations = solution.status, solution.iterations
+    diagnostics: dict[str, float | np.number[Any]] = {
+        "complementarity": certificate.complementarity,
+        "penetration": certificate.penetration,
+        "load_error": certificate.load_error,
+        "iterations": np.int32(iterations),
+        "transform_pairs": np.int32(pairs),
+    }
+    if problem.hardness is not None:
+        diagnostics["plastic_depth"] = float(depth * unit)
+    return State(
+        pressure=pressure,
+        area=float(area),
+        separation=float(separation * unit),
+        stiffness=float(stiffness * problem.pressure_unit / unit),
+        energy=float(energy * problem.energy_unit),
+        status=status,
+        area_raw=float(raw),
+        diagnostics=diagnostics,
+    )
 
 
 class _Latest:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
@@ -135,6 +136,24 @@ def test_a_curve_at_approaches() -> None:
     states = [solve_contact(sphere, separation=s, boundary="free") for s in (-0.01, -0.005)]
     # Over the area of a cell of unit length.
     np.testing.assert_allclose(curve.pressure, [s.force for s in states], rtol=1e-5)
+
+
+def test_quantities_at_approaches_are_those_at_their_forces() -> None:
+    x = np.linspace(-1.0, 1.0, 32)
+    sphere = -(x[:, None] ** 2 + x**2) / 20.0
+    curve = partial(
+        solve_curve, sphere, boundary="free", length=(2.0, 3.0), modulus=5.0, threads=1
+    )
+    there = curve(forces=[0.02, 0.05])
+    back = curve(separations=there.separation)
+    for name in ("pressure", "area", "stiffness", "energy"):
+        np.testing.assert_allclose(getattr(back, name), getattr(there, name), rtol=1e-4)
+
+
+def test_states_without_contact_keep_their_places() -> None:
+    curve = solve_curve(rough(16, seed=5), separations=[50.0, 60.0], threads=1)
+    assert curve.separation is not None
+    np.testing.assert_allclose(curve.separation, [50.0, 60.0], rtol=1e-12)
 
 
 def test_a_curve_is_at_one_kind_of_points() -> None:
