@@ -1,4 +1,4 @@
-"""Numbers as they stand in a text."""
+"""Numbers as they stand in a text, and in JSON."""
 
 from __future__ import annotations
 
@@ -150,3 +150,16 @@ def series(values: Iterable[float], digits: int = 3, most: int = 6) -> str:
     if len(found) <= most:
         return ", ".join(number(value, digits) for value in found)
     return f"{number(found[0], digits)} … {number(found[-1], digits)} ({len(found)} values)"
+
+
+def json_number(value: float) -> float | str | None:
+    """Return a number as strict JSON has it: infinity is a text, nan null.
+
+    Examples
+    --------
+    >>> json_number(0.5), json_number(-math.inf), json_number(math.nan)
+    (0.5, '-inf', None)
+    """
+    if math.isfinite(value):
+        return value
+    return None if math.isnan(value) else str(value)

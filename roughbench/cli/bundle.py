@@ -9,6 +9,7 @@ import click
 from roughbench.cli.options import (
     debug_option,
     example,
+    folder_option,
     reference_option,
     resamples_option,
     results_argument,
@@ -37,12 +38,7 @@ from roughbench.cli.options import (
     metavar="NAME",
     help="Draw this figure only, as area; repeatable. Default: all that RESULTS allow.",
 )
-@click.option(
-    "--folder",
-    type=click.Path(path_type=Path, file_okay=False, exists=True),
-    help="Where relative paths in the spec start; default: where the run was, else the folder "
-    "of RESULTS.",
-)
+@folder_option
 @reference_option
 @resamples_option
 @debug_option

@@ -31,6 +31,12 @@ debug_option = click.option(
 )
 
 json_option = click.option("--json", "as_json", is_flag=True, help="Everything, as JSON.")
+folder_option = click.option(
+    "--folder",
+    type=click.Path(path_type=Path, file_okay=False, exists=True),
+    help="Where relative paths in the spec start; default: where the run was, else the folder "
+    "of RESULTS.",
+)
 partial_option = click.option(
     "--partial",
     is_flag=True,

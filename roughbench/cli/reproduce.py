@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from roughbench.cli.options import debug_option, example, results_argument
+from roughbench.cli.options import (
+    debug_option,
+    example,
+    folder_option,
+    json_option,
+    results_argument,
+)
 from roughbench.text import on_one_line
 
 if TYPE_CHECKING:
@@ -45,17 +51,12 @@ if TYPE_CHECKING:
     help="Relative deviation that passes for agreement; default: the root of the solver's "
     "tolerance, 1e-9 for models without one.",
 )
-@click.option(
-    "--folder",
-    type=click.Path(path_type=Path, file_okay=False, exists=True),
-    help="Where relative paths in the spec start; default: where the run was, else the folder "
-    "of RESULTS.",
-)
+@folder_option
 @click.option("-j", "--jobs", type=click.IntRange(min=1), help="Tasks at once, as of run.")
 @click.option("--threads", type=click.IntRange(min=1), help="Of each task, as of run.")
 @click.option("--max-memory", metavar="SIZE", help="Of all tasks together, as of run.")
 @click.option("-f", "--force", is_flag=True, help="Compute what an earlier call has, too.")
-@click.option("--json", "as_json", is_flag=True, help="Everything, as JSON.")
+@json_option
 @click.option("-q", "--quiet", is_flag=True, help="Only errors and warnings on stderr.")
 @debug_option
 @click.pass_context
@@ -101,21 +102,10 @@ def command(
             results, target, lacks=lacks, progress=progress, command=ctx.obj or "", **options
         )
     if as_json:
-        click.echo(json.dumps(_strict(found.as_dict()), indent=1))
+        click.echo(json.dumps(found.as_dict(), indent=1, allow_nan=False))
     else:
         click.echo("\n".join(on_one_line(line) for line in _lines(found)))
     ctx.exit(0 if found.agrees else EXIT_FAILED)
-
-
-def _strict(value: Any) -> Any:
-    """Return a tree as JSON knows it: without infinity and nan."""
-    if isinstance(value, dict):
-        return {name: _strict(one) for name, one in value.items()}
-    if isinstance(value, list):
-        return [_strict(one) for one in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None if math.isnan(value) else "inf"
-    return value
 
 
 def _lines(found: Reproduction) -> list[str]:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterator
 
 import numpy as np
 
+from roughbench.numbers import json_number
 from roughbench.results import Array, ModelResult, Results
 
 
@@ -47,7 +47,10 @@ def _model_as_json(result: ModelResult) -> Iterator[str]:
         "title": result.title,
         "n_realizations": result.n_realizations,
         "n_unconverged": result.n_unconverged,
-        "attributes": {name: _json_number(value) for name, value in result.attributes.items()},
+        "attributes": {
+            name: value if isinstance(value, str) else json_number(value)
+            for name, value in result.attributes.items()
+        },
         "units": {name: result.units(name) for name in result},
         "made_with": dict(result.made_with),
     }
@@ -63,7 +66,7 @@ def _model_as_json(result: ModelResult) -> Iterator[str]:
 def _json_array(values: Array) -> Iterator[str]:
     if values.ndim < 2:
         row = values.tolist()
-        yield _json(row if np.isfinite(values).all() else [_json_number(v) for v in row])
+        yield _json(row if np.isfinite(values).all() else [json_number(v) for v in row])
         return
     yield "["
     for number, row in enumerate(values):
@@ -74,9 +77,3 @@ def _json_array(values: Array) -> Iterator[str]:
 
 def _json(value: object) -> str:
     return json.dumps(value, ensure_ascii=False, allow_nan=False)
-
-
-def _json_number(value: str | float) -> str | float | None:
-    if isinstance(value, str) or math.isfinite(value):
-        return value
-    return None if math.isnan(value) else str(value)

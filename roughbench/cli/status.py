@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from roughbench.cli.options import debug_option, example, run_argument
+from roughbench.cli.options import debug_option, example, json_option, run_argument
 
 if TYPE_CHECKING:
     from roughbench.runner import RunState
@@ -27,7 +27,7 @@ _MOST_SHARES = 10
     ),
 )
 @run_argument
-@click.option("--json", "as_json", is_flag=True, help="Everything, as JSON.")
+@json_option
 @click.option(
     "--watch", is_flag=True, help="Again and again, until everything is computed and written."
 )

@@ -18,6 +18,7 @@ import numpy as np
 from roughbench.ensemble import STATISTICS
 from roughbench.models.base import FloatArray
 from roughbench.models.registry import declared
+from roughbench.numbers import json_number
 from roughbench.quantities import QUANTITIES
 from roughbench.results import ModelResult, Results
 
@@ -85,8 +86,11 @@ class QuantityDeviation:
         return self.excess <= 1.0
 
     def as_dict(self) -> dict[str, Any]:
-        """Return all of it, for JSON."""
-        return asdict(self) | {"agrees": self.agrees}
+        """Return all of it, for strict JSON."""
+        return {
+            name: json_number(value) if isinstance(value, float) else value
+            for name, value in asdict(self).items()
+        } | {"agrees": self.agrees}
 
 
 def compare(

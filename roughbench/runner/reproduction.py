@@ -52,7 +52,7 @@ class Reproduction:
         )
 
     def as_dict(self) -> dict[str, Any]:
-        """Return all of it, for JSON; infinity and nan are texts and None."""
+        """Return all of it, for strict JSON: infinity is a text, nan None."""
         return {
             "results": str(self.results),
             "reproduced": str(self.reproduced),
