@@ -10,7 +10,9 @@ a version leaves out when it is empty (``type_params`` since 3.12) is left out e
 from __future__ import annotations
 
 import ast
+import functools
 import hashlib
+from collections.abc import Iterator
 
 _IMMATERIAL = {"ctx", "kind", "type_comment", "type_ignores"}
 """Fields that say nothing more than the rest: loads or stores, u-prefixes, comments."""
@@ -28,12 +30,10 @@ def digest(text: str) -> str:
     >>> digest("x = 1") == digest("x = 2")
     False
     """
-    pieces: list[str] = []
-    _write(_tree(text), pieces)
-    return hashlib.sha256("".join(pieces).encode()).hexdigest()
+    return _read(text)[0]
 
 
-def imported(text: str) -> set[str]:
+def imported(text: str) -> frozenset[str]:
     """Return every dotted name that a module imports, or may mean by an import.
 
     Examples
@@ -43,17 +43,30 @@ def imported(text: str) -> set[str]:
     >>> sorted(imported("import roughbench as rb; rb.solve_curve"))
     ['roughbench', 'roughbench.solve_curve']
     """
-    names: set[str] = set()
+    return _read(text)[1]
+
+
+@functools.lru_cache(maxsize=512)
+def _read(text: str) -> tuple[str, frozenset[str]]:
+    """Return digest and imported names; kept, as most models share most modules."""
     tree = ast.parse(text)
+    names = frozenset(_imported(tree))
+    pieces: list[str] = []
+    _write(tree, pieces)
+    return hashlib.sha256("".join(pieces).encode()).hexdigest(), names
+
+
+def _imported(tree: ast.Module) -> set[str]:
+    names: set[str] = set()
     bound: set[str] = set()  # names of the package itself
-    for node in ast.walk(tree):
+    for node in _statements(tree):
         if isinstance(node, ast.Import):
             names.update(alias.name for alias in node.names)
             bound.update(a.asname or a.name for a in node.names if a.name == "roughbench")
         elif isinstance(node, ast.ImportFrom) and node.module is not None:
             names.add(node.module)
             names.update(f"{node.module}.{alias.name}" for alias in node.names)
-    for node in ast.walk(tree):
+    for node in ast.walk(tree) if bound else ():
         if not isinstance(node, ast.Attribute) or not isinstance(node.value, ast.Name):
             continue
         if node.value.id in bound:
@@ -61,14 +74,29 @@ def imported(text: str) -> set[str]:
     return names
 
 
+def _statements(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield what may be or hold a statement: no expression does."""
+    for name in ("body", "orelse", "finalbody", "handlers", "cases"):
+        parts = getattr(node, name, ())
+        for part in parts if isinstance(parts, list) else ():
+            yield part
+            yield from _statements(part)
+
+
 def _write(value: object, pieces: list[str]) -> None:
     """Add a tree as text in brackets, which no two different trees share."""
+    kind = type(value)
     if isinstance(value, ast.AST):
-        if isinstance(value, ast.ClassDef):
+        if kind is ast.ClassDef:
             value.body = [part for part in value.body if not _is_declared(part)]
-        pieces.append(f"{type(value).__name__}(")
-        for name, part in ast.iter_fields(value):
-            if name not in _IMMATERIAL and part is not None and part != []:
+        elif kind is ast.JoinedStr:  # with what Python 3.12 adds to it
+            value.values = [part for part in value.values if not _is_empty(part)]  # type: ignore[attr-defined]
+        pieces.append(f"{kind.__name__}(")
+        for name in kind._fields:  # type: ignore[attr-defined]
+            if name in _IMMATERIAL:
+                continue
+            part = getattr(value, name, None)
+            if part is not None and part != []:
                 pieces.append(f"{name}=")
                 _write(part, pieces)
         pieces.append(")")
@@ -79,7 +107,7 @@ def _write(value: object, pieces: list[str]) -> None:
                 _write(part, pieces)
         pieces.append("]")
     else:
-        pieces.append(f"{type(value).__name__}:{value!r},")
+        pieces.append(f"{kind.__name__}:{value!r},")
 
 
 def _is_declared(node: object) -> bool:
@@ -95,15 +123,6 @@ def _is_words(node: object) -> bool:
     if isinstance(node, ast.Expr):
         return isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
     return isinstance(node, ast.keyword) and node.arg == "description"
-
-
-def _tree(text: str) -> ast.Module:
-    """Return the tree of a module, without what Python 3.12 adds to its f-strings."""
-    tree = ast.parse(text)
-    for node in ast.walk(tree):
-        if isinstance(node, ast.JoinedStr):
-            node.values = [part for part in node.values if not _is_empty(part)]
-    return tree
 
 
 def _is_empty(node: ast.expr) -> bool:

@@ -6,8 +6,11 @@ is computed. ``ROUGHBENCH_FFT`` forces it.
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import os
+import sys
+from collections.abc import Iterator
 from typing import Literal, cast, get_args
 
 from roughbench.errors import RoughbenchError
@@ -41,7 +44,26 @@ def fft_backend() -> Backend:
 def _fault_of_pyfftw() -> str:
     """Return why pyFFTW cannot be imported; empty if it can."""
     try:
-        import pyfftw  # noqa: F401
+        with _not_imported("dask.array.fft"):
+            import pyfftw  # noqa: F401
     except (ImportError, OSError) as error:  # not there, or without its library
         return str(error)
     return ""
+
+
+@contextlib.contextmanager
+def _not_imported(module: str) -> Iterator[None]:
+    """Let the import of a module fail that nobody has imported yet.
+
+    pyFFTW imports Dask's arrays where they are installed, to offer transforms of them, and with
+    them pandas and xarray: a second, in every process. Who wants them imports
+    ``pyfftw.interfaces.dask_fft``.
+    """
+    if module in sys.modules:
+        yield
+        return
+    sys.modules[module] = None  # type: ignore[assignment]  # as the import system has it
+    try:
+        yield
+    finally:
+        del sys.modules[module]
