@@ -24,8 +24,9 @@ class Estimate:
     error : float
         Half the distance of ``low`` and ``high``; nan where they are, or one is infinite.
     low, high : float
-        16 % and 84 % quantiles over the resamples in which it exists; nan without
-        resamples, or where it exists in less than half of them.
+        16 % and 84 % quantiles over the resamples in which it exists, widened where these lie
+        beside the value (:func:`estimate`); nan without resamples, or where it exists in less
+        than half of them.
     share : float
         Share of the resamples in which it exists.
     bound : {"", "≤", "≥"}
@@ -163,6 +164,11 @@ def estimate(
     A bootstrap knows nothing of the scatter of its own estimate of the scatter: both sides
     of the interval are widened as Student's t and n/(n − 1) ask for.
 
+    A number that is an optimum, as the widest range on which a curve keeps to a law, is pulled
+    to one side by scatter, and resamples scatter more than what they are drawn from: the
+    interval of their quantiles may lie beside the value, on the side on which the truth is
+    not. It then reaches from there to as far beyond the value as their median is short of it.
+
     Parameters
     ----------
     values : ndarray of float64, shape (B,)
@@ -186,11 +192,27 @@ def estimate(
         low = np.quantile(found, 0.16, method="lower")
         high = np.quantile(found, 0.84, method="higher")
     if math.isfinite(value):
+        if not low <= value <= high:
+            low, high = _around(value, low, high, float(np.median(found)))
         wider = _widening(count)
         low, high = value - wider * (value - low), value + wider * (high - value)
     finite = math.isfinite(value) and math.isfinite(high)
     error = float(high - low) / 2.0 if finite else math.nan
     return Estimate(value, error, float(low), float(high), share, bound, count)
+
+
+def _around(value: float, low: float, high: float, median: float) -> tuple[float, float]:
+    """Return an interval of resamples together with itself, freed of their bias twice.
+
+    Examples
+    --------
+    >>> _around(2.0, 1.25, 1.75, 1.5), _around(2.0, 3.0, math.inf, math.inf)
+    ((1.25, 2.75), (2.0, inf))
+    """
+    if not math.isfinite(median):
+        return min(low, value), max(high, value)
+    bias = median - value
+    return min(low, low - 2.0 * bias), max(high, high - 2.0 * bias)
 
 
 def _widening(count: int) -> float:

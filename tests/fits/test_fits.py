@@ -253,6 +253,32 @@ def test_intervals_of_few_realizations_are_wider() -> None:
     assert four.count == 4
 
 
+@pytest.mark.parametrize(("value", "sign"), [(2.12, 1.0), (-2.12, -1.0), (1.0, 1.0)])
+def test_a_value_lies_within_its_interval(value: float, sign: float) -> None:
+    """Resamples that all fall short: it was 2.12 (1.34 to 2.03)."""
+    drawn = sign * np.linspace(1.3, 2.0, 101)
+    found = estimate(np.concatenate([[value], drawn]))
+    assert found.low < value < found.high
+    low, high = sorted(sign * np.array([1.412, 1.888]))
+    bias = sign * 1.65 - value
+    # As far on the other side as if the resamples were pulled to it instead.
+    assert found.low == pytest.approx(min(low, low - 2 * bias))
+    assert found.high == pytest.approx(max(high, high - 2 * bias))
+    assert found.error == pytest.approx((found.high - found.low) / 2)
+
+
+def test_ranges_of_scattering_curves_hold_their_values() -> None:
+    """The widest range shrinks with scatter, and resamples scatter more than the data."""
+    rng = np.random.default_rng(7)
+    values = lawful(np.zeros(8))
+    for name in values:
+        values[name] = values[name] * np.abs(1 + 0.15 * rng.normal(size=values[name].shape))
+    found = fit(collect(make(values)), resamples=200)["main"]["bem"]
+    known = [one for one in found.values() if not math.isnan(one.low)]
+    assert len(known) > 10
+    assert all(one.low <= one.value <= one.high for one in known)
+
+
 # The bootstrap ------------------------------------------------------------------------------
 
 
