@@ -64,6 +64,39 @@ def test_the_decades_of_the_theory_are_claimed_at_the_papers_size_only() -> None
     assert judged(main=theory(1.0, q_rolloff=1.0))["theory-decades"].measurements == ()
 
 
+def labelled(label: str, drift: float, **more: Any) -> ModelResult:
+    return replace(theory(drift, **more), label=label)
+
+
+def test_a_theory_counts_once_however_often_it_is_there() -> None:
+    """In two experiments and under two labels; a second γ of the paper's range is another."""
+    held = {
+        "a": {one.label: one for one in (labelled("persson", 1.1), labelled("again", 1.1))},
+        "b": {"persson": labelled("persson", 1.1, seed=7, amplitude="gaussian")},
+        "c": {"steep": labelled("steep", 1.5, gamma=0.5)},
+    }
+    found = judge([("one.h5", Results(held, "no spec", ""))], resamples=2)
+    [verdict] = [one for one in found if one.key == "theory-decades"]
+    once, steep = verdict.measurements
+    assert (once.where, once.outcome) == ("a/persson", H)
+    assert once.note == "the same theory as a/again, b/persson, counted once"
+    assert (steep.where, steep.outcome, steep.note) == ("c/steep", F, "")
+    assert verdict.outcome == D
+
+
+def test_a_theory_with_other_options_than_the_papers_does_not_decide() -> None:
+    fitted = labelled("fitted", 1.5, gamma=0.33, finite_size="blend", theta=2.3)
+    held = {"main": {"fitted": fitted, "persson": labelled("persson", 1.1, gamma=0.45)}}
+    found = judge([("one.h5", Results(held, "no spec", ""))], resamples=2)
+    [verdict] = [one for one in found if one.key == "theory-decades"]
+    [measured] = verdict.measurements
+    assert (measured.where, verdict.outcome) == ("main/persson", H)
+    assert measured.note == "not counted, with other options than the paper's: main/fitted"
+    alone = judged(main=fitted)["theory-decades"]
+    assert alone.outcome == N
+    assert "fig4.yaml" in alone.remedy
+
+
 # Heights of few contacts --------------------------------------------------------------------
 
 
