@@ -15,7 +15,7 @@ r and so on the load,
 
 from the *spectrum*, as the rms mean curvature of these waves, or from the *heights* as the
 mean curvature of their sum at the highest point. On a self-affine spectrum this is the
-paper's eq. (10), :math:`K \sim p^{1/(1+H)}`, with the prefactor
+paper's finite-size law, eq. (10), :math:`K \sim p^{1/(1+H)}`, with the prefactor
 
 .. math:: \theta = 2\,\Bigl[\tfrac32 c^{H-2}\sqrt{(2-H)X/H}\Bigr]^{1/(1+H)}, \qquad
           X = \frac{2H\,h^2}{2\pi C_0 q_r^{-2H}},

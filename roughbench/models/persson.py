@@ -386,7 +386,8 @@ class Persson(Model):
     finite_size: FiniteSize = Field(
         default="none",
         description="How the finite-size stiffness K_fs of the paper's eq. (10) enters K: "
-        "none; max takes the larger of K_fs and the bulk K_P, as the paper's Fig. 4 does; "
+        "none; max takes the larger of K_fs and the bulk K_P, as the "
+        "stiffness of the paper's Fig. 4; "
         "blend takes (K_fs^m + K_P^m)^(1/m). Area, separation and energy stay those of the "
         "bulk, so that K is -dp/dū of them with none only.",
     )

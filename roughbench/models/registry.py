@@ -147,6 +147,28 @@ def is_reference(kind: str) -> bool:
     return model is not None and model.is_reference
 
 
+def presses_lines(kind: str, attributes: Mapping[str, object]) -> bool:
+    """Return whether results are of a model on lines, not on surfaces.
+
+    Parameters
+    ----------
+    kind : str
+    attributes : mapping
+        Of the results: ``dimension``, where they have it, is that of a model that is not here.
+
+    Examples
+    --------
+    >>> presses_lines("foundation", {}), presses_lines("bem", {})
+    (True, False)
+    >>> presses_lines("unknown", {"dimension": 1})
+    True
+    """
+    if "dimension" in attributes:
+        return attributes["dimension"] == 1
+    model = declared(kind)
+    return model is not None and inspect.getattr_static(model, "needs", "") == "line"
+
+
 def is_modified(kind: str, attributes: Mapping[str, object]) -> bool:
     """Whether results are of a model with options that make another one of its kind.
 

@@ -16,6 +16,7 @@ from roughbench.report.text import RichText, Span, from_heading, joined, without
 from roughbench.results import MODULUS, ModelResult
 from roughbench.units import in_words, prefix
 from roughbench.verdict import FittedExperiment
+from roughbench.verdict.trust import sample_noun
 
 TableCell = str | RichText
 
@@ -115,10 +116,10 @@ def _counted(models: Sequence[ModelResult]) -> str:
     if not any(model.is_random for model in models):
         return name
     counts = series([model.n_realizations for model in models])
+    noun = sample_noun(first)
     points = [int(m.attributes["grid_points"]) for m in models if "grid_points" in m.attributes]
-    size = f" of {series(points, 6)} points a side" if points else ""
-    kind = "line" if first.attributes.get("dimension") == 1 else "surface"
-    return f"{name}, {counts} {kind}{'s' * (counts != '1')}{size}"
+    size = f" of {series(points, 6)} points{' a side' * (noun == 'surface')}" if points else ""
+    return f"{name}, {counts} {noun}{'s' * (counts != '1')}{size}"
 
 
 # -- fits --------------------------------------------------------------------------------

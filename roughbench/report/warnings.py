@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from roughbench.errors import SpecError
 from roughbench.models.base import Status
-from roughbench.models.registry import declared
+from roughbench.models.registry import declared, presses_lines
 from roughbench.notation import typeset
 from roughbench.numbers import number
 from roughbench.quantities import compared
@@ -179,8 +179,9 @@ def _few_points(result: ModelResult) -> Iterator[tuple[str, str]]:
     if not is_counted or "grid_points" not in result.attributes:
         return
     raw, area = (np.asarray(result[f"{name}_mean"], float) for name in ("area_raw", "area"))
-    rows = float(result.attributes["grid_points"])
-    points = raw * rows * float(result.attributes.get("grid_columns", rows))
+    side = float(result.attributes["grid_points"])
+    other = 1.0 if presses_lines(result.kind, result.attributes) else side
+    points = raw * side * float(result.attributes.get("grid_columns", other))
     few = (points > 0.0) & (points < FEWEST_CONTACT_POINTS)
     if few.any():
         text = (

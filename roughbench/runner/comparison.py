@@ -7,7 +7,6 @@ agreement. All else is rounding.
 
 from __future__ import annotations
 
-import inspect
 import math
 from collections.abc import Collection, Iterator
 from dataclasses import asdict, dataclass
@@ -17,7 +16,7 @@ import numpy as np
 
 from roughbench.ensemble import STATISTICS
 from roughbench.models.base import FloatArray
-from roughbench.models.registry import declared
+from roughbench.models.registry import presses_lines
 from roughbench.numbers import json_number
 from roughbench.quantities import QUANTITIES
 from roughbench.results import ModelResult, Results
@@ -155,7 +154,7 @@ def allowance(result: ModelResult, quantity: str, tolerance: float | None = None
     if quantity in ("area", "area_raw"):
         rows = float(result.attributes["grid_points"])
         columns = float(result.attributes.get("grid_columns", rows))
-        is_line = inspect.getattr_static(declared(result.kind), "needs", "") == "line"
+        is_line = presses_lines(result.kind, result.attributes)
         absolute = GRID_POINTS / (rows if is_line else rows * columns)
     elif quantity == "separation":
         absolute = 10.0 * given * float(result.attributes["rms_height"])

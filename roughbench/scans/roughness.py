@@ -9,7 +9,7 @@ With :math:`z = h - \langle h\rangle`, averaged over the measured points,
     S_{dq} = \sqrt{\langle|\nabla h|^2\rangle}, \qquad
     S_{dr} = \langle\sqrt{1 + |\nabla h|^2} - 1\rangle .
 
-Names and definitions are those of ISO 25178-2:2021, section 4, for the heights as they are
+Names and definitions are those of ISO 25178-2:2021, clause 4, for the heights as they are
 given: form and filters are the caller's business. The moments of a profile,
 
 .. math:: m_0 = \langle z^2\rangle, \quad m_2 = \langle h_{,x}^2\rangle, \quad

@@ -2,7 +2,7 @@
 
 PyYAML follows YAML 1.1, where ``1e5`` is text, ``010`` is 8, ``12:30:45`` is 45045 and
 ``no`` is false. Reader and writer below share one table of scalars instead, that of the
-YAML 1.2 core schema (YAML 1.2.2, section 10.3.2), so that what is written reads back.
+YAML 1.2 core schema (YAML 1.2.2, chapter 10.3.2), so that what is written reads back.
 """
 
 from __future__ import annotations

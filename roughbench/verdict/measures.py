@@ -127,7 +127,7 @@ def has_the_rolloff(model: ModelResult) -> bool:
 def is_as_published(model: ModelResult) -> bool:
     """Return whether a theory is as the paper has it.
 
-    Other γ, the self-consistent area and eq. (10) with a fitted prefactor are not.
+    Other γ, the self-consistent area and a fitted prefactor of eq. (10) are not.
     """
     found = model.attributes
     fitted = found.get("finite_size", "none") != "none"

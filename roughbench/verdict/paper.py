@@ -64,7 +64,7 @@ PASSAGES = (
     Passage(
         "abstract as published",
         "the same, attributed to the incorrect treatment of the long-range elastic coupling",
-        (*_AREA, *_SEPARATION, *_COUPLING),
+        (*_AREA, *_SEPARATION, *_COUPLING, "incorrect treatment"),
     ),
     Passage(
         "Sec. 1",
@@ -169,14 +169,26 @@ PASSAGES = (
 """In the paper's order. The published abstract says "incorrect treatment" where the preprint's
 says "neglect"."""
 
+SAID_AT = (
+    (r"(?:\b3|[Tt]hree) decades", ("Sec. 6",)),
+    ("κ", ("eq. (3)", "Fig. 3(a)")),
+    ("θ", ("eq. (10)",)),
+    (r"\brepeat", ("Sec. 5",)),
+    ("fluctuat", ("Sec. 2", "Sec. 4")),
+    ("correlat", ("Sec. 1",)),
+    (r"\bneglect", ("abstract of the preprint", "Sec. 1", "Sec. 5")),
+    (r"\bincorrect treatment", ("abstract as published",)),
+)
+"""What is said in a few places only: a regular expression, and the places."""
+
 _PLACES = {passage.place: passage for passage in PASSAGES}
-_ONE = r"\(\d+\)"
-_PANEL = r"\d(?:\([a-z]\)|(?![\d(]))"
+_ONE = r"\(\d+[a-z]?\)"
+_PANEL = r"\d+(?:\([a-z]\)|[a-z]\b|(?!\())"
 _MORE = r"(?:,| and|, and| or| to|–)"
-_CITATION = re.compile(
+CITATION = re.compile(
     rf"\b[Ee]qs?\.\s*(?P<eq>{_ONE}(?:{_MORE}\s*{_ONE})*)"
     rf"|\bFigs?\.\s*(?P<fig>{_PANEL}(?:{_MORE}\s*(?:{_PANEL}|\([a-z]\)))*)"
-    r"|\bSecs?\.\s*(?P<sec>\d(?:(?:,| and)\s*\d\b)*)"
+    r"|\bSecs?\.\s*(?P<sec>\d+(?:\.\d+)?(?:(?:,| and)\s*\d+\b)*)"
     r"|\b(?P<abstract>abstract (?:of the preprint|as published))"
 )
 
@@ -201,18 +213,19 @@ def citations(text: str) -> list[str]:
     ['Fig. 1', 'Fig. 2', 'Fig. 3(a)', 'eq. (5)', 'eq. (6)']
     """
     found = []
-    for match in _CITATION.finditer(text):
+    for match in CITATION.finditer(text):
         kind = match.lastgroup
         if kind == "eq":
             found += [f"eq. {one}" for one in re.findall(_ONE, match["eq"])]
         elif kind == "fig":
             number = ""
-            for digit, panel in re.findall(r"(\d?)(\([a-z]\))?", match["fig"]):
-                number = digit or number
-                if digit or panel:
-                    found.append(f"Fig. {number}{panel}")
+            for digits, panel, more in re.findall(
+                r"(\d+)(\([a-z]\)|[a-z]\b)?|(\([a-z]\))", match["fig"]
+            ):
+                number = digits or number
+                found.append(f"Fig. {number}{panel or more}")
         elif kind == "sec":
-            found += [f"Sec. {one}" for one in re.findall(r"\d", match["sec"])]
+            found += [f"Sec. {one}" for one in re.findall(r"\d+(?:\.\d+)?", match["sec"])]
         else:
             found.append(match[0])
     return found

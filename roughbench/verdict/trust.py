@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from roughbench.fits import Deviations, Estimate, is_exact
 from roughbench.fits.comparisons import NEARLY_CLOSED, Comparison
-from roughbench.models.registry import declared
+from roughbench.models.registry import presses_lines
 from roughbench.notation import typeset
 from roughbench.numbers import with_error
 from roughbench.quantities import Quantity, compared
@@ -268,9 +268,7 @@ def _surfaces(result: ModelResult) -> str:
 
 def sample_noun(result: ModelResult) -> str:
     """Return what a model works on: ``line`` or ``surface``."""
-    needs: object = getattr(declared(result.kind), "needs", "")
-    dimension = result.attributes.get("dimension", 1 if needs == "line" else 2)
-    return "line" if dimension == 1 else "surface"
+    return "line" if presses_lines(result.kind, result.attributes) else "surface"
 
 
 def _pressure_text(pressure: float, modulus: float | None, error: float = math.nan) -> str:

@@ -97,6 +97,19 @@ def test_contacts_of_few_points(sound: Results, change: Change) -> None:
     )
 
 
+def test_contacts_of_few_points_of_a_line(sound: Results, change: Change) -> None:
+    """64 points on a line are 64, and not 64² as on a surface."""
+    area = np.full(6, 0.2)
+    changed = change(sound, "foundation", {"grid_points": 64}, area_mean=area)
+    text = one(change(changed, "foundation", area_raw_mean=area), *FEW_POINTS)
+    assert "at all 6 pressures (on average, down to 13)" in text
+    many = change(changed, "foundation", {"grid_points": 500}, area_raw_mean=area)
+    assert warned(many) == []
+
+
+FEW_POINTS = ("Contacts of few points", "foundation")
+
+
 @pytest.mark.parametrize(("raw", "warns"), [(1.19, False), (1.21, True), (0.79, True)])
 def test_areas_with_and_without_correction_that_differ(
     sound: Results, change: Change, raw: float, *, warns: bool
