@@ -25,7 +25,7 @@ PARALLEL := -n $(shell expr $(JOBS) + $(JOBS) / 2) --dist worksteal
 	study-finite-size-rolloff compare compare-tamaas compare-conventions compare-scans \
 	notebooks outside-model preparation faults \
 	hard bench \
-	site site-links readme-figures models dist dist-check clean distclean setup setup-dev python
+	site site-links readme-figures models dist dist-check clean distclean setup setup-dev setup-docs python
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z0-9-]+:.*## / { printf "  make %-27s%s\n", $$1, $$2 }' Makefile
@@ -151,7 +151,7 @@ lint: setup-dev ## ruff and mypy
 smoke: setup ## every command once, on tiny grids
 	PATH="$(CURDIR)/$(BIN):$$PATH" sh scripts/smoke.sh
 
-notebooks: .venv/ready-notebooks ## the notebooks of examples/, run into build/notebooks; a minute or two
+notebooks: python .venv/ready-notebooks ## the notebooks of examples/, run into build/notebooks; a minute
 	$(BIN)/python scripts/run_notebooks.py build/notebooks
 
 outside-model: setup ## a model of one's own, from init to the report, in a fresh environment
@@ -186,10 +186,11 @@ bench: setup ## the benchmarks in scripts/
 
 ## -- releasing -------------------------------------------------------------------------
 
-site: python .venv/ready-docs ## these pages and the reference as a site, in build/site
+site: setup-docs ## pages, reference and notebooks as a site, in build/site; all its links checked
+	$(BIN)/python scripts/run_notebooks.py build/notebooks
 	$(BIN)/python website/build.py
 
-site-links: python .venv/ready-docs ## whether the links that lead out of the site answer
+site-links: site ## whether the links that lead out of the site answer; needs a network
 	$(BIN)/python website/build.py --linkcheck
 
 readme-figures: demo ## the figures in docs/figures, drawn again
@@ -212,6 +213,7 @@ dist-check: dist ## both of them, each in a fresh environment
 
 setup: python .venv/ready
 setup-dev: python .venv/ready-dev
+setup-docs: python .venv/ready-docs
 
 .venv/bin/python: | python
 	$(PYTHON) -m venv --clear .venv

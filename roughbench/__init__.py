@@ -75,17 +75,26 @@ from roughbench.errors import (
     SurfaceError,
     UnitError,
 )
-from roughbench.public import LAZY
+from roughbench.public import LAZY, MODULES
 
 if TYPE_CHECKING:
+    from roughbench import figures as figures
+    from roughbench import fits as fits
+    from roughbench import neighbours as neighbours
+    from roughbench import observables as observables
+    from roughbench import quantities as quantities
+    from roughbench import runner as runner
+    from roughbench import verdict as verdict
     from roughbench.field_files import save_fields
     from roughbench.figures import plot
     from roughbench.models.base import Curve, Model, Sample, State, Status
-    from roughbench.models.halfspace.contact import solve_contact, solve_curve
+    from roughbench.models.halfspace.certificate import Certificate
+    from roughbench.models.halfspace.contact import ContactState, solve_contact, solve_curve
+    from roughbench.models.states import CompleteCurve, Fields
     from roughbench.models.style import Style
     from roughbench.results import ModelResult, Results
-    from roughbench.runner import Progress, run
-    from roughbench.scans.characterization import characterize
+    from roughbench.runner import Progress, ShareOutcome, run, run_share
+    from roughbench.scans.characterization import Characterization, characterize
     from roughbench.scans.topography import Scan, read_scan
     from roughbench.spec import Spec, load_spec
     from roughbench.spectrum import Spectrum, measured_spectrum, self_affine
@@ -95,8 +104,13 @@ if TYPE_CHECKING:
     __version__: str
 
 __all__ = [
+    "Certificate",
+    "Characterization",
+    "CompleteCurve",
+    "ContactState",
     "Curve",
     "Fault",
+    "Fields",
     "Model",
     "ModelError",
     "ModelResult",
@@ -105,6 +119,7 @@ __all__ = [
     "RoughbenchError",
     "Sample",
     "Scan",
+    "ShareOutcome",
     "SolverError",
     "Spec",
     "SpecError",
@@ -126,6 +141,7 @@ __all__ = [
     "read_scan",
     "realization_generator",
     "run",
+    "run_share",
     "save_fields",
     "self_affine",
     "solve_contact",
@@ -136,13 +152,15 @@ __all__ = [
 def __getattr__(name: str) -> object:
     if name == "__version__":
         return _version()
+    if name in MODULES:
+        return importlib.import_module(f"{__name__}.{name}")
     if name not in LAZY:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(importlib.import_module(LAZY[name]), name)
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted({*globals(), *__all__, *MODULES})
 
 
 def _version() -> str:

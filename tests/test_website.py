@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib.util
 import io
 import re
+import subprocess
+import sys
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -15,6 +17,7 @@ import pytest
 
 import roughbench as rb
 from roughbench.cli import COMMANDS, main
+from roughbench.public import MODULES
 from roughbench.store.writing import image
 
 ROOT = Path(__file__).parents[1]
@@ -25,6 +28,7 @@ def loaded(path: str) -> ModuleType:
     assert found is not None
     assert found.loader is not None
     module = importlib.util.module_from_spec(found)
+    sys.modules[found.name] = module  # where dataclasses look for it
     found.loader.exec_module(module)
     return module
 
@@ -106,3 +110,57 @@ def test_lines_that_a_page_leaves_out_are_not_compared() -> None:
     console = loaded("scripts/_console.py")
     assert console.shortened("a\nb\nc\nd\n", "a\n…\nd\n") == "a\n…\nd\n"
     assert console.shortened("a\nb\n", "a\nb\n") == "a\nb\n"
+
+
+def test_what_pages_name_of_modules_is_described(reference: ModuleType) -> None:
+    """``from roughbench.fits import fit``, ``roughbench.fits.fit``: both are on a page."""
+    pages = [ROOT / "README.md", *(ROOT / "docs").rglob("*.md"), *(ROOT / "examples").iterdir()]
+    text = "\n".join(page.read_text("utf-8") for page in pages if page.is_file())
+    named = set(re.findall(r"`roughbench\.([a-z_.]+)\.(\w+)", text))
+    for module, names in re.findall(r"from roughbench\.([\w.]+) import ([\w, ]+)", text):
+        named |= {(module, name.strip()) for name in names.split(",")}
+    assert ("fits", "fit") in named
+    described = {
+        (module, name) for module, names in reference.MODULES.items() for name in names.split()
+    }
+    modules = {tuple(module.rpartition(".")[::2]) for module in reference.MODULES}
+    public = set(rb.__all__)
+    assert {one for one in named - described - modules if one[1] not in public} == set()
+    page = reference.modules_page()
+    assert {f"rb.{name}" for name in MODULES} <= set(re.findall(r"rb\.\w+", page))
+
+
+def test_modules_for_users_are_there_without_another_import() -> None:
+    code = "import roughbench as rb; print(rb.neighbours.__name__, rb.figures.__name__)"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.split() == ["roughbench.neighbours", "roughbench.figures"]
+
+
+@pytest.mark.parametrize(
+    ("link", "fault"),
+    [
+        ("b.html", ""),
+        ("b.html#there", ""),
+        ("#here", ""),
+        ("", ""),
+        ("data:image/png;base64,AA", ""),
+        ("https://doi.org/10.1007/s11249-013-0208-9", ""),
+        ("c.html", "there is no such file"),
+        ("b.html#here", "there is no such anchor"),
+        ("#there", "there is no such anchor"),
+        ("http://example.org", "not of the form https://host/path"),
+        ("https://example org/", "not of the form https://host/path"),
+        ("https://doi.org/s11249-013-0208-9", "no DOI: https://doi.org/10.PREFIX/SUFFIX"),
+        ("https://doi.org/10.1007/s11249.", "no DOI: https://doi.org/10.PREFIX/SUFFIX"),
+    ],
+)
+def test_a_link_that_leads_nowhere_is_found(link: str, fault: str, tmp_path: Path) -> None:
+    links = loaded("website/links.py")
+    (tmp_path / "a.html").write_text(f'<h1 id="here">A</h1><a href="{link}">x</a>')
+    (tmp_path / "b.html").write_text('<a name="there">B</a>')
+    pages = links.pages_of(tmp_path)
+    found = list(links.faults_of(pages))
+    assert found == ([f"{tmp_path / 'a.html'}: {link}: {fault}"] if fault else [])
+    assert list(links.outside_of(pages)) == ([link] if link.startswith("http") else [])

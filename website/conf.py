@@ -27,9 +27,7 @@ extensions = [
 myst_enable_extensions = ["html_image"]
 myst_heading_anchors = 4
 myst_links_external_new_tab = False
-nb_execution_mode = "force"
-nb_execution_raise_on_error = True
-nb_execution_timeout = 300
+nb_execution_mode = "off"  # they come as scripts/run_notebooks.py has run them
 nb_merge_streams = True
 suppress_warnings = ["ref.python"]  # attributes of two classes may have one name
 
@@ -45,7 +43,7 @@ python_maximum_signature_line_length = 80
 
 # Types in docstrings are words, such as "path" or "array_like", and may name what is internal;
 # what is named as public has to be there.
-nitpick_ignore_regex = [(r"py:.*", r"(?!roughbench\.\w+$).*")]
+nitpick_ignore_regex = [(r"py:.*", r"(?!roughbench\.\w+$).*"), (r"py:mod", r".*")]
 
 html_theme = "furo"
 html_title = f"roughbench {release}"
@@ -85,7 +83,23 @@ def find_public_name(
     )
 
 
+def drop_dead_links_to_docs(app: Sphinx) -> list[Any]:
+    """Leave out links from sources to where viewcode thinks that a name is described.
+
+    It takes all that a file defines for described under one module, and here some is described
+    as ``roughbench.plot`` and some as ``roughbench.figures.available``.
+    """
+    described = app.env.domains.python_domain.objects
+    for entry in getattr(app.env, "_viewcode_modules", {}).values():
+        if entry:
+            _, _, used, module = entry
+            for name in [one for one in used if f"{module}.{one}" not in described]:
+                del used[name]
+    return []
+
+
 def setup(app: Sphinx) -> None:
-    """Connect the two."""
+    """Connect the three."""
     app.connect("autodoc-process-docstring", escape_bars)
     app.connect("missing-reference", find_public_name)
+    app.connect("html-collect-pages", drop_dead_links_to_docs, priority=100)  # before viewcode

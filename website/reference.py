@@ -9,8 +9,8 @@ import re
 import click
 
 import roughbench as rb
+from roughbench import public
 from roughbench.cli import COMMANDS, main
-from roughbench.public import LAZY
 
 PARTS = {
     "runner": "Specs and runs",
@@ -18,6 +18,7 @@ PARTS = {
     "store": "Results",
     "results": "Results",
     "figures": "Results",
+    "field_files": "Results",
     "models": "Contact and models",
     "spectrum": "Spectra and heights",
     "surface": "Spectra and heights",
@@ -26,16 +27,30 @@ PARTS = {
 }
 """Room in which a public name is defined → the part of the page that describes it."""
 
-RETURNED = {
-    "Contact and models": (
-        "roughbench.models.halfspace.contact.ContactState",
-        "roughbench.models.halfspace.certificate.Certificate",
-        "roughbench.models.states.Fields",
-        "roughbench.models.states.CompleteCurve",
-    ),
-    "Measured surfaces": ("roughbench.scans.characterization.Characterization",),
+MODULES = {
+    "figures": "available departures render join overlaid",
+    "fits": "fit",
+    "neighbours": "surface_of fields_of topography contactmechanics_system tamaas_model "
+    "aspher_arguments PeriodicSurface PressedFields",
+    "observables": "of_state average exponent pressure_pdf gap_pdf stress_spectrum "
+    "contact_spectrum clusters find_patches Observable Profile",
+    "quantities": "Quantity Variable",
+    "runner": "preview status verify clean reproduce accounts partial_results Cluster",
+    "verdict": "fit_experiments judge_experiments trust_of",
+    "report": "make_report",
+    "errors": "IncompleteError LockedError UnknownNameError",
+    "surface_record": "SurfaceRecord",
+    "scans.roughness": "Roughness",
+    "scans.self_affine_fit": "SelfAffineFit",
+    "scans.preparation": "Preparation",
+    "scans.measured_spectrum": "MeasuredSpectrum",
+    "models.distributions": "persson_separations persson_gap_shares spring_shares shares_of",
+    "models.halfspace.perimeter": "edge_excess",
+    "models.hertz_top": "finite_size_prefactor",
+    "models.line": "single_contact_stiffness",
+    "models.persson": "persson_asymptotes",
 }
-"""Classes of what public functions return or take."""
+"""Modules beside the public names → what of them pages name or users may need."""
 
 
 def commands_page() -> str:
@@ -90,11 +105,36 @@ def python_page() -> str:
     for part, names in parts().items():
         lines += [f"## {part}", "", "```{eval-rst}", ".. currentmodule:: roughbench", ""]
         lines += [f".. auto{_kind(getattr(rb, name))}:: {name}\n" for name in names]
-        for path in RETURNED.get(part, ()):
-            module, _, name = path.rpartition(".")
-            lines += [f".. currentmodule:: {module}", ""]
-            thing = getattr(importlib.import_module(module), name)
-            lines += [f".. auto{_kind(thing)}:: {name}\n"]
+        lines += ["```", ""]
+    return "\n".join(lines)
+
+
+def modules_page() -> str:
+    """Return the page of what modules hold beside the public names."""
+    lines = [
+        "# Modules for Python",
+        "",
+        "What stands beside the [public names](python.md). After `import roughbench as rb`,",
+        f"{', '.join(f'`rb.{name}`' for name in public.MODULES)}",
+        "are there; others are imported by their whole names.",
+        "",
+    ]
+    for module, names in MODULES.items():
+        path = f"roughbench.{module}"
+        content = importlib.import_module(path)
+        words = inspect.cleandoc(content.__doc__ or "").partition("\n")[0]
+        lines += [
+            f"## `{path}`",
+            "",
+            words,
+            "",
+            "```{eval-rst}",
+            f".. currentmodule:: {path}",
+            "",
+        ]
+        lines += [
+            f".. auto{_kind(getattr(content, name))}:: {name}\n" for name in names.split()
+        ]
         lines += ["```", ""]
     return "\n".join(lines)
 
@@ -104,7 +144,7 @@ def parts() -> dict[str, list[str]]:
     found: dict[str, list[str]] = {part: [] for part in dict.fromkeys(PARTS.values())}
     for name in sorted(rb.__all__, key=lambda one: (one[0].isupper(), one)):
         if not name.startswith("__"):
-            room = LAZY.get(name, "roughbench.errors").split(".")[1]
+            room = public.LAZY.get(name, "roughbench.errors").split(".")[1]
             found.setdefault(PARTS.get(room, room.capitalize()), []).append(name)
     return {part: names for part, names in found.items() if names}
 

@@ -1,14 +1,17 @@
-"""How far a run is, for those who call ``run`` from Python: one line of plain text."""
+"""How far a run is, for those who call ``run`` from Python."""
 
 from __future__ import annotations
 
 import contextlib
 import sys
+import warnings
 from collections.abc import Iterator
+from typing import Any
 
 from roughbench.runner.progress import Progress, ProgressListener
 
-_BAR = "{percentage:3.0f}%|{bar:20}| {elapsed}<{remaining}{postfix}"
+_TEXT = "{percentage:3.0f}%|{bar:20}| {elapsed}<{remaining}{postfix}"
+_WIDGET = "{percentage:3.0f}%|{bar}| {elapsed}<{remaining}{postfix}"
 _WIDTH = 79
 SECONDS_BETWEEN_LINES = 30.0
 """Where standard error is a file or a pipe, that keeps every line."""
@@ -21,7 +24,8 @@ def reported(progress: ProgressListener | bool | None) -> Iterator[ProgressListe
     Parameters
     ----------
     progress : callable, bool or None
-        True: a bar on standard error, in a notebook as well; False or None: nothing.
+        True: a bar, in a notebook with ipywidgets a widget, else a line of text on standard
+        error; False or None: nothing.
     """
     if not isinstance(progress, bool):
         yield progress
@@ -29,19 +33,29 @@ def reported(progress: ProgressListener | bool | None) -> Iterator[ProgressListe
     if not progress:
         yield None
         return
-    from tqdm import tqdm
-
-    is_seen_live = sys.stderr.isatty() or "ipykernel" in sys.modules
-    with tqdm(
-        total=1.0,
-        bar_format=_BAR,
-        ncols=_WIDTH,
-        mininterval=0.2 if is_seen_live else SECONDS_BETWEEN_LINES,
-        file=sys.stderr,
-    ) as bar:
+    with _bar() as bar:
 
         def report(news: Progress) -> None:
             bar.set_postfix_str(f"{news.done}/{news.total} states: {news.text}", refresh=False)
             bar.update(news.done / max(news.total, 1) - bar.n)
 
         yield report
+
+
+def _bar() -> Any:
+    """Return tqdm's bar for the place that this runs in."""
+    from tqdm import TqdmWarning
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", TqdmWarning)  # a notebook without ipywidgets: text does
+        from tqdm.auto import tqdm
+    if any(base.__module__ == "tqdm.notebook" for base in tqdm.__mro__):
+        return tqdm(total=1.0, bar_format=_WIDGET)
+    is_seen_live = sys.stderr.isatty() or "ipykernel" in sys.modules
+    return tqdm(
+        total=1.0,
+        bar_format=_TEXT,
+        ncols=_WIDTH,
+        mininterval=0.2 if is_seen_live else SECONDS_BETWEEN_LINES,
+        file=sys.stderr,
+    )

@@ -11,12 +11,11 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from roughbench.engines.worker_pool import refuse_in_a_new_worker
 from roughbench.errors import RoughbenchError
 from roughbench.planning.plan import warnings
-from roughbench.planning.shares import Share, realizations_of_share
+from roughbench.planning.shares import Share, parse_share, realizations_of_share
 from roughbench.planning.tasks import Task
 from roughbench.publish import make_folder
 from roughbench.rundir.folder import RunFolder
@@ -59,43 +58,77 @@ class ShareOutcome:
 def run_share(
     spec: Source,
     output: str | os.PathLike[str],
-    share: Share,
+    share: Share | str,
     *,
+    jobs: int | None = 1,
     threads: int | None = None,
+    overrides: Sequence[str] = (),
     progress: ProgressListener | bool | None = None,
     keep_going: bool = False,
+    max_memory: int | str | None = None,
     log_file: str | os.PathLike[str] | None = None,
     command: str = "",
     assembling: str = "",
-    **options: Any,
 ) -> ShareOutcome:
     """Compute a share of what a spec asks for, as far as it is not there already.
 
-    No results are written: a run of the same spec without a share does that.
+    No results are written: a run of the same spec without a share, at equal ``threads``, does
+    that, and computes what is missing. Shares may run at once, on any machines that share the
+    folder of the output.
 
     Parameters
     ----------
     spec, output
         As for :func:`roughbench.run`.
-    share : Share
+    share : Share or str
+        ``"3/40"`` is the third of forty.
     threads : int, optional
         Of each task; default: 1, whatever the machine, so that all shares agree.
-    progress, keep_going, log_file, command
+    jobs, overrides, progress, keep_going, max_memory, log_file, command
         As for :func:`roughbench.run`.
     assembling : str
         How to run the whole, for messages of others.
-    **options
-        ``jobs``, ``overrides`` and ``max_memory``, as for :func:`roughbench.run`.
+
+    Returns
+    -------
+    ShareOutcome
+        How many tasks it computed, and how many states are left to others.
 
     Raises
     ------
     LockedError
         If another process computes this share, or everything.
     RoughbenchError
-        As :func:`roughbench.run`.
+        If ``share`` reads like no share; else as :func:`roughbench.run`.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import roughbench as rb
+    >>> spec = {
+    ...     "surface": {"H": 0.7, "q0": 1.0, "q1": 8.0, "slope": 0.1},
+    ...     "pressures": [1e-3, 1e-2],
+    ...     "models": [{"kind": "foundation", "springs": 64, "realizations": 2}],
+    ...     "sweep": {"surface.H": [0.5, 0.8]},
+    ... }
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = folder + "/shared.h5"
+    ...     left = [run_share(spec, path, share).left for share in ("1/2", "2/2")]
+    ...     results = rb.run(spec, output=path, threads=1)  # writes what is there
+    >>> left, list(results)
+    ([4, 0], ['surface.H=0.5', 'surface.H=0.8'])
     """
     refuse_in_a_new_worker()
-    run = prepare(spec, output, threads=threads or 1, log_file=log_file, **options)
+    share = parse_share(share) if isinstance(share, str) else share
+    run = prepare(
+        spec,
+        output,
+        jobs=jobs,
+        threads=threads or 1,
+        overrides=overrides,
+        max_memory=max_memory,
+        log_file=log_file,
+    )
     folder = run.folder
     if folder is None:
         raise RoughbenchError("shares meet in a run directory, and there is none")
