@@ -188,8 +188,9 @@ def _meant(word: str, fields: Mapping[str, tuple[str, FieldInfo]]) -> str | None
 
 def _with_point(got: object) -> str:
     """Return how a number with a decimal comma is written in YAML."""
-    is_number = isinstance(got, str) and re.fullmatch(r"[-+]?\d+,\d+(e[-+]?\d+)?", got, re.I)
-    return f" (write {got.replace(',', '.')}, with a point)" if is_number else ""
+    if isinstance(got, str) and re.fullmatch(r"[-+]?\d+,\d+(e[-+]?\d+)?", got, re.IGNORECASE):
+        return f" (write {got.replace(',', '.')}, with a point)"
+    return ""
 
 
 def _known_keys(path: KeyPath, tree: Any, catalog: Catalog) -> str:
