@@ -68,7 +68,10 @@ def _lines(found: Diagnosis) -> list[str]:
         f"{1e3 * seconds:.1f} ms with {threads} thread{'s' * (threads > 1)}"
         for threads, seconds in found.transform_seconds.items()
     )
-    lines.append(f"{'FFT':12} {times}, for a pair at 1024\u00b2 points in single precision")
+    lines.append(
+        f"{'FFT':12} {found.transforms}: {times}, for a pair at 1024\u00b2 points in single "
+        "precision"
+    )
     for name, state in (("cache", found.cache), ("folder", found.working)):
         can = "can be written" if state.writable else "cannot be written"
         locks = {True: ", knows locks", False: ", knows no locks", None: ""}[state.locks]

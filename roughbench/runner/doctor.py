@@ -20,7 +20,7 @@ from roughbench.planning.resources import largest_grid, resource_limits
 from roughbench.rundir.usage import machine
 from roughbench.runner.dry_run import TimeEstimate, estimate
 from roughbench.spec import Source
-from roughbench.transform import RealTransform, cache_folder
+from roughbench.transform import RealTransform, cache_folder, fft_backend
 
 _POINTS = 1024
 _TIMES = 10
@@ -60,6 +60,8 @@ class Diagnosis:
         Bytes that tasks may take together; None where the system does not say.
     memory_limit : str
         What sets it, in words.
+    transforms : str
+        The library of the Fourier transforms: ``pyfftw`` or ``scipy``.
     transform_seconds : dict of int to float
         Threads → time of a pair of transforms at 1024² points in single precision.
     cache, working : FolderState
@@ -73,6 +75,7 @@ class Diagnosis:
     cores: int
     memory: int | None
     memory_limit: str
+    transforms: str
     transform_seconds: dict[int, float]
     cache: FolderState
     working: FolderState
@@ -136,6 +139,7 @@ def diagnose(
         cores=limits.cores,
         memory=None if here is None else limits.memory,
         memory_limit=limits.limit,
+        transforms=fft_backend(),
         transform_seconds={n: _pair(n) for n in dict.fromkeys((1, limits.cores))},
         cache=folder_state(cache_folder()),
         working=folder_state(Path.cwd()),

@@ -117,8 +117,9 @@ def _from_file(source: str | os.PathLike[str]) -> GivenSpec:
             raise SpecError([Fault(f"is an HDF5 file, not a spec; {hint}", source=name)])
         text = data.decode("utf-8-sig")
     except FileNotFoundError:
-        near = suggestion(path.name, _neighbours(path))
-        hint = f" (did you mean {str(path.with_name(near))!r}?)" if near else ""
+        beside = _neighbours(path)
+        near = beside.get(suggestion(path.stem, beside) or "")
+        hint = f" (did you mean {str(near)!r}?)" if near else ""
         raise SpecError([Fault(f"no such file{hint}", source=name)]) from None
     except UnicodeDecodeError as error:
         before = data[: error.start]
@@ -131,8 +132,11 @@ def _from_file(source: str | os.PathLike[str]) -> GivenSpec:
     return GivenSpec(read_yaml(text), path.stem, path.parent, name, text)
 
 
-def _neighbours(path: Path) -> list[str]:
+def _neighbours(path: Path) -> dict[str, Path]:
+    """Return the files beside ``path`` by their names without an ending; specs win."""
     try:
-        return [entry.name for entry in path.parent.iterdir()]
+        entries = [path.with_name(entry.name) for entry in path.parent.iterdir()]
     except OSError:
-        return []
+        return {}
+    entries.sort(key=lambda entry: (entry.suffix in (".yaml", ".yml"), entry.name))
+    return {entry.stem: entry for entry in entries}

@@ -18,7 +18,7 @@ from roughbench.spec.model import Spec
 from roughbench.spec.modulus import Body, ContactModulus
 from roughbench.spec.pressures import PressureRange
 from roughbench.spec.surfaces import SelfAffineSurface
-from roughbench.spec.tree import Finding, KeyPath, did_you_mean, lookup, show
+from roughbench.spec.tree import Finding, KeyPath, did_you_mean, lookup, render, show
 from roughbench.spec.wavelengths import OF_WAVES, WAVELENGTHS
 from roughbench.text import suggestion
 
@@ -90,7 +90,7 @@ def _value_message(error: ErrorDetails, most: int | None) -> str:
         shown = str(bound) if isinstance(bound, int) else f"{bound:g}"
         return f"must be {word} {shown}, got {show(got)}"
     if kind in _TYPES:
-        return f"must be {_TYPES[kind]}, got {show(got)}"
+        return f"must be {_TYPES[kind]}, got {show(got)}{_with_point(got)}"
     if kind == "int_type":
         whole = isinstance(got, float) and got.is_integer()
         if whole and most is not None and got > most:
@@ -186,10 +186,34 @@ def _meant(word: str, fields: Mapping[str, tuple[str, FieldInfo]]) -> str | None
     return candidates[near] if near else None
 
 
+def _with_point(got: object) -> str:
+    """Return how a number with a decimal comma is written in YAML."""
+    if isinstance(got, str) and re.fullmatch(r"[-+]?\d+,\d+(e[-+]?\d+)?", got, re.IGNORECASE):
+        return f" (write {got.replace(',', '.')}, with a point)"
+    return ""
+
+
 def _known_keys(path: KeyPath, tree: Any, catalog: Catalog) -> str:
+    word = str(path[-1])
+    if re.match(r"\d", word):  # {min: 1,0e-5}
+        return "; a comma begins another key: numbers are written with a point"
     fields = fields_at(path[:-1], tree, catalog)
-    near = _meant(str(path[-1]), fields)
-    return f" (did you mean {near!r}?)" if near else f"; known here: {', '.join(fields)}"
+    if near := _meant(word, fields):
+        return f" (did you mean {near!r}?)"
+    if place := _elsewhere(word, path[:-1], tree, catalog):
+        owner = render(place[:-1]) or "the top of the spec"
+        return f"; it belongs to {owner}, as {render(place)}"
+    return f"; known here: {', '.join(fields)}"
+
+
+def _elsewhere(word: str, here: KeyPath, tree: Any, catalog: Catalog) -> KeyPath | None:
+    """Return where in the spec this key would be known, if there is one such place."""
+    models = lookup(tree, ("models",))
+    places: list[KeyPath] = [(), ("surface",), ("pressures",), ("modulus",)]
+    places += [("models", n) for n in range(len(models) if isinstance(models, list) else 0)]
+    found = [place for place in places if word in fields_at(place, tree, catalog)]
+    kinds = {str(place[:1]) for place in found}
+    return (*found[0], word) if here not in found and len(kinds) == 1 else None
 
 
 def _description(path: KeyPath, tree: Any, catalog: Catalog) -> str:

@@ -90,8 +90,10 @@ def spelled(tree: Mapping[str, Any], catalog: Catalog) -> Spelled:
     if not united and not says_so and not WAVELENGTHS.keys() & surface.keys():
         return Spelled(tree, has_units=False)
     bare = [one for one in given if one.is_bare]
+    paths = frozenset(one.path for one in given)
     if len(united) < len(bare) and not says_so:
-        return Spelled(tree, has_units=False, findings=[*_too_many(united, bare)])
+        findings = [*_too_many(united, bare)]
+        return Spelled(tree, has_units=False, findings=findings, dimensional=paths)
     findings = [*_without_unit(bare, united)]
     if "modulus" not in tree:
         findings.append(
@@ -115,7 +117,6 @@ def spelled(tree: Mapping[str, Any], catalog: Catalog) -> Spelled:
     written: dict[KeyPath, KeyPath] = {
         ("surface", new): ("surface", old) for old, new, _ in replaced
     }
-    paths = frozenset(one.path for one in given)
     return Spelled(tree, True, findings + wrong, written, paths)  # noqa: FBT003
 
 

@@ -13,6 +13,7 @@ from roughbench.planning.resources import largest_grid, resource_limits
 from roughbench.runner import doctor, dry_run
 from roughbench.runner.doctor import FolderState, diagnose, folder_state
 from roughbench.runner.speed import Speeds
+from roughbench.transform import fft_backend
 from tests.cli.conftest import SPEC, Invoke
 
 
@@ -36,6 +37,8 @@ def test_a_machine_and_a_spec_in_words(folder: Path, invoke: Invoke) -> None:
     assert found["estimate"] is None
     assert found["faults"] == []
     assert found["transform_seconds"]["1"] > 0.0
+    assert found["transforms"] == fft_backend()
+    assert f"FFT          {fft_backend()}: " in done.stdout
     assert [path.name for path in folder.iterdir() if "doctor" in path.name] == []
 
 

@@ -268,6 +268,10 @@ class TestFilesThatCannotBeRead:
         assert self.told("quik.yaml") == [
             "quik.yaml: error: no such file (did you mean 'quick.yaml'?)"
         ]
+        (tmp_path / "quick.h5").touch()
+        assert "did you mean 'quick.yaml'?" in self.told("quick")[0]
+        (tmp_path / "unit1.yaml").touch()  # whose ending alone is that of nofile.yaml
+        assert self.told("nofile.yaml") == ["nofile.yaml: error: no such file"]
         assert self.told(Path("else.yaml")) == ["else.yaml: error: no such file"]
         assert self.told("nowhere/x.yaml") == ["nowhere/x.yaml: error: no such file"]
 

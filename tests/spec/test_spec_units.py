@@ -371,6 +371,10 @@ def test_the_few_values_with_a_unit_are_the_fault_of_a_bare_spec() -> None:
     assert faults_of(BARE.replace("slope: 0.1", "slope: 0.1, length: 10 um")) == [
         f"1:62: error: surface.length: has a unit, '10 um', but surface.q0 has none; {remedy}"
     ]
+    mixed = BARE.replace("[0.1]", "{min: 1 kPa, max: 0.1, points: 3}")
+    assert faults_of(mixed) == [  # and not that 0.1 is less than 1000
+        f"2:18: error: pressures.min: has a unit, '1 kPa', but surface.q0 has none; {remedy}"
+    ]
     assert faults_of(BARE, "surface.length=10 um") == [
         (
             "--set surface.length=10 um: error: surface.length: has a unit, '10 um', "
