@@ -87,10 +87,10 @@ def _write(value: object, pieces: list[str]) -> None:
     """Add a tree as text in brackets, which no two different trees share."""
     kind = type(value)
     if isinstance(value, ast.AST):
-        if kind is ast.ClassDef:
+        if isinstance(value, ast.ClassDef):
             value.body = [part for part in value.body if not _is_declared(part)]
-        elif kind is ast.JoinedStr:  # with what Python 3.12 adds to it
-            value.values = [part for part in value.values if not _is_empty(part)]  # type: ignore[attr-defined]
+        elif isinstance(value, ast.JoinedStr):  # with what Python 3.12 adds to it
+            value.values = [part for part in value.values if not _is_empty(part)]
         pieces.append(f"{kind.__name__}(")
         for name in kind._fields:  # type: ignore[attr-defined]
             if name in _IMMATERIAL:
