@@ -18,6 +18,34 @@ from roughbench.errors import RoughbenchError, SolverError
 Refusal = type[RoughbenchError]
 Numbers = NDArray[Any]
 
+# -- one of several ------------------------------------------------------------------------
+
+
+def exactly_one(error: Refusal = SolverError, **given: object) -> None:
+    """Refuse anything but one argument that is not None.
+
+    Raises
+    ------
+    RoughbenchError
+        Of the class ``error``, with the names of the arguments.
+
+    Examples
+    --------
+    >>> exactly_one(pressure=None, force=2.0)
+    >>> exactly_one(area=1.0, force=2.0)
+    Traceback (most recent call last):
+        ...
+    roughbench.errors.SolverError: give exactly one of area and force, got area and force
+    """
+    named = [name for name, value in given.items() if value is not None]
+    if len(named) != 1:
+        *others, last = given
+        raise error(
+            f"give exactly one of {', '.join(others)} and {last}, got "
+            + (" and ".join(named) or "none of them")
+        )
+
+
 # -- one number ----------------------------------------------------------------------------
 
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from roughbench import labelled
 from roughbench.errors import SolverError
-from roughbench.inputs import float_array, real_number
+from roughbench.inputs import exactly_one, float_array, real_number
 from roughbench.labelled import NamedArray
 from roughbench.models.base import CompleteCurve, FloatArray, State, Status
 from roughbench.models.halfspace.approach import solve_approach
@@ -274,7 +274,7 @@ def solve_contact(
     >>> bool(abs(state.force / (4 / 3 * 10.0**0.5 * 0.01**1.5) - 1) < 2e-2)
     True
     """
-    _check_one(pressure=pressure, separation=separation, force=force)
+    exactly_one(pressure=pressure, separation=separation, force=force)
     problem = Problem(
         *(heights, length, modulus, tolerance, precision, threads, max_iterations),
         *(correction, hardness, screening, boundary),
@@ -361,7 +361,7 @@ def solve_curve(
         If an argument is out of its range, the heights are not finite, or the grid does
         not fit into memory.
     """
-    _check_one(pressures=pressures, forces=forces, separations=separations)
+    exactly_one(pressures=pressures, forces=forces, separations=separations)
     if separations is not None:
         problem = Problem(
             *(heights, length, modulus, tolerance, precision, threads, max_iterations),
@@ -429,19 +429,3 @@ def _curve_at(problem: Problem, separations: FloatArray) -> CompleteCurve:
     # By pressure: states without contact have the same, and need not be in the order solved.
     rising = [states[i] for i in np.argsort(nominal, kind="stable")]
     return CompleteCurve.from_states(rising, nominal)
-
-
-def _check_one(**given: object) -> None:
-    """Refuse anything but one argument.
-
-    Raises
-    ------
-    SolverError
-    """
-    named = [name for name, value in given.items() if value is not None]
-    if len(named) != 1:
-        *others, last = given
-        raise SolverError(
-            f"give exactly one of {', '.join(others)} and {last}, got "
-            + (" and ".join(named) or "none of them")
-        )

@@ -11,8 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from roughbench.errors import SolverError
-from roughbench.inputs import float_array
+from roughbench.inputs import exactly_one, float_array
 from roughbench.models.base import Fields, State, Status
 from roughbench.models.halfspace.options import Boundary, Correction, Precision
 from roughbench.models.halfspace.problem import Length, Problem
@@ -56,8 +55,7 @@ def solve_states(
         *(heights, length, modulus, tolerance, precision, threads, max_iterations),
         *(correction, hardness, screening, boundary),
     )
-    if (pressures is None) == (forces is None):
-        raise SolverError("give exactly one of pressures and forces")
+    exactly_one(pressures=pressures, forces=forces)
     if pressures is None:
         pressures = float_array(forces, "forces") / problem.area  # type: ignore[arg-type]
     loads, solver = problem.loads(pressures), problem.solver
