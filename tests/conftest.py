@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import signal
 from collections.abc import Iterator
@@ -45,6 +46,38 @@ def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROUGHBENCH_CACHE", str(folder / "own-cache"))
         patch.delenv("PYTHONDONTWRITEBYTECODE", raising=False)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def compiled_by_one(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Let the workers of pytest-xdist wait where another one compiles the same loop.
+
+    Each loop takes seconds; begun at the same time, the first tests would compile most of them
+    as many times as there are workers.
+    """
+    if "PYTEST_XDIST_WORKER" not in os.environ:
+        yield
+        return
+    import fcntl
+
+    from numba.core.dispatcher import Dispatcher
+
+    folder = tmp_path_factory.getbasetemp().parent / "compiling"
+    folder.mkdir(exist_ok=True)
+    compile_or_load = Dispatcher.compile
+
+    def one_by_one(dispatcher: Any, types: Any) -> Any:
+        function = dispatcher.py_func
+        if not function.__module__.startswith("roughbench."):
+            return compile_or_load(dispatcher, types)
+        what = f"{function.__module__}.{function.__qualname__} {types}"
+        with (folder / hashlib.sha256(what.encode()).hexdigest()).open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            return compile_or_load(dispatcher, types)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Dispatcher, "compile", one_by_one)
         yield
 
 

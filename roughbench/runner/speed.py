@@ -94,7 +94,8 @@ def _key(model: Model) -> str:
     no_matter = {"label", "realizations", *model.sampling[:1]}
     options = model.model_dump(mode="json", exclude=no_matter)
     origin = [code_digest(type(model)), platform.node()]
-    origin += [fft_backend()] * transforms(type(model))
+    if transforms(type(model)):
+        origin.append(fft_backend())
     content = json.dumps([options, *origin], sort_keys=True)
     return f"{_kind(model)} {hashlib.sha256(content.encode()).hexdigest()[:12]}"
 

@@ -50,7 +50,7 @@ def check(
     instead : str
         What makes it iterate in float32.
     converted : bool
-        Whether the heights have to be copied into float64 as well.
+        Whether the heights have to be copied as well.
     free : bool
         Whether the half-space is not periodic.
     bounded : bool

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TypedDict
+from typing import Any, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -114,13 +114,13 @@ class Problem:
             h.shape,
             double=bool(reasons),
             instead=" with ".join(reasons),
-            converted=h.dtype not in (np.float32, np.float64),
+            converted=not _as_compiled_for(h),
             free=free,
             bounded=hardness is not None,
         )
         check_heights(h, per_point=0)
-        if h.dtype not in (np.float32, np.float64):
-            h = h.astype(np.float64)
+        if not _as_compiled_for(h):
+            h = np.array(h, np.float32 if h.dtype == np.float32 else np.float64, order="C")
         self.shape: tuple[int, ...] = h.shape
         if q_c * self.spacing > LARGEST_SCREENING:
             raise SolverError(
@@ -253,6 +253,15 @@ class Problem:
         return Fields(
             pressure.reshape(self.shape), gap.reshape(self.shape), screening=self.screening
         )
+
+
+def _as_compiled_for(heights: NDArray[Any]) -> bool:
+    """Whether heights lie in memory as usual, in float32 or float64: others are copied.
+
+    The loops are compiled for each way anew, in half a minute, and are slower where rows are
+    no vectors; with a copy, the same numbers give the same bytes however they lie.
+    """
+    return heights.dtype in (np.float32, np.float64) and heights.flags.carray
 
 
 def spacings(length: Length, shape: tuple[int, ...]) -> tuple[float, float]:

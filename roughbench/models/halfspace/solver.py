@@ -120,7 +120,7 @@ class Solver:
     Parameters
     ----------
     heights : ndarray, shape (n, m)
-        Any unit and mean; (1, m) is a line. Kept as it is, not copied.
+        In C order, of any unit and mean; (1, m) is a line. Kept as it is, not copied.
     tolerance : float
         See :meth:`Certificate.holds`.
     double : bool

@@ -14,6 +14,7 @@ from roughbench.errors import SolverError
 from roughbench.models.base import CompleteCurve, Sample, Status
 from roughbench.models.halfspace import HalfSpace
 from roughbench.models.halfspace.contact import solve_contact, solve_curve
+from roughbench.models.halfspace.loops import gap
 
 if TYPE_CHECKING:
     from tests.models.halfspace.conftest import Reference, Rough
@@ -99,9 +100,12 @@ def test_shortest_wave_at_the_nyquist_wavevector(
     assert state.mean_separation == 0.0
 
 
-@pytest.mark.parametrize("points", [2**15, 8191], ids=str)
+@pytest.mark.parametrize("points", [2**14, 8191], ids=str)
 def test_fine_lines(points: int, rough: Rough, reference: type[Reference]) -> None:
-    """Lines are where an earlier prototype's conjugate gradients diverged."""
+    """Lines are where an earlier prototype's conjugate gradients diverged.
+
+    Long ones take long to plan: see :func:`test_long_lines`.
+    """
     heights = rough(points, per_wave=4.0, q_rolloff=8.0, line=True)
     own = reference(heights, length=CELL)
     for pressure in (1e-5, 1e-2):
@@ -240,6 +244,19 @@ def test_kinds_of_input(kind: str, rough: Rough, reference: type[Reference]) -> 
     exact = solve_contact(before, pressure, length=CELL)
     assert state.mean_separation == pytest.approx(exact.mean_separation, rel=1e-9)
     assert np.array_equal(state.pressure > 0, exact.pressure > 0)
+    if kind not in ("float32", "float16", "long double"):  # the same float64 numbers
+        assert state.pressure.tobytes() == exact.pressure.tobytes()
+        assert state.gap.tobytes() == exact.gap.tobytes()
+
+
+def test_the_loops_are_compiled_for_heights_that_lie_as_usual(rough: Rough) -> None:
+    """Others are copied: compiled for each way that arrays can lie, they took half a minute."""
+    heights = rough(32)
+    solve_contact(heights, 1e-2, length=CELL)
+    known = len(gap.mark_tiles.signatures)
+    for lying in ("transposed", "strided", "reversed", "read-only"):
+        solve_contact(INPUTS[lying](heights), 1e-2, length=CELL)
+    assert len(gap.mark_tiles.signatures) == known
 
 
 @pytest.mark.parametrize("offset", [0.0, 100.0, 0.9])

@@ -162,18 +162,17 @@ def test_offset_and_translation(
 @given(surfaces(), pressures)
 @few
 def test_mirrors_and_transposition(heights: FloatArray, pressure: float) -> None:
-    """Of arrays that lie in memory as usual: the loops are compiled for each other way."""
     one = solve(heights, pressure)
     if not well_posed(one):
         return
     for axis in range(heights.ndim):
-        mirrored = solve(np.flip(heights, axis).copy(), pressure)
+        mirrored = solve(np.flip(heights, axis), pressure)
         same_state(one, mirrored)
         deviation = np.flip(mirrored.pressure, axis) - one.pressure
         assert np.abs(deviation).max() <= pressure_slack(one)
     if heights.ndim == 2:
         n, m = heights.shape
-        turned = solve(heights.T.copy(), pressure, length=m / n)  # the pixels stay the same
+        turned = solve(heights.T, pressure, length=m / n)  # the pixels stay the same
         same_state(one, turned)
         assert np.abs(turned.pressure.T - one.pressure).max() <= pressure_slack(one)
 

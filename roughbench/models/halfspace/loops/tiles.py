@@ -116,7 +116,7 @@ def count_edges(a, b, tiling, scratch, surface, aspect, ends, plastic):
     for tile_row in range(a, b):
         i0 = tile_row * height
         for i in range(i0, min(i0 + height, n)):
-            north, here, south = scratch[i], scratch[i + 1], scratch[i + 2]
+            here = scratch[i + 1]
             for t in range(rows[tile_row], rows[tile_row + 1]):
                 j0 = tiles[t] * TILE
                 for j in range(j0, min(j0 + TILE, m)):
@@ -126,20 +126,15 @@ def count_edges(a, b, tiling, scratch, surface, aspect, ends, plastic):
                     contact += 1.0
                     if here[c] >= plastic:
                         continue
-                    if north[c] == 0 and _is_free(
-                        i, j, -1, 0, scratch, heights, scale, 1.0, ends
-                    ):
-                        free += 1.0
-                    if south[c] == 0 and _is_free(
-                        i, j, 1, 0, scratch, heights, scale, 1.0, ends
-                    ):
-                        free += 1.0
-                    if here[c - 1] == 0 and _is_free(
-                        i, j, 0, -1, scratch, heights, scale, aspect, ends
-                    ):
-                        free += 1.0
-                    if here[c + 1] == 0 and _is_free(
-                        i, j, 0, 1, scratch, heights, scale, aspect, ends
-                    ):
-                        free += 1.0
+                    # One call, whose steps are no constants: for each of these it would be
+                    # compiled anew.
+                    for side in range(4):
+                        step = 2 * (side % 2) - 1
+                        di = step if side < 2 else 0
+                        dj = step - di
+                        spacing = 1.0 if side < 2 else aspect
+                        if scratch[i + 1 + di, c + dj] == 0 and _is_free(
+                            i, j, di, dj, scratch, heights, scale, spacing, ends
+                        ):
+                            free += 1.0
     return contact, free
