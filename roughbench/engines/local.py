@@ -47,7 +47,7 @@ def compute_in_workers(
     waiting = sorted(tasks, key=lambda task: -task.work * task.n_states)
     attempts: dict[Task, int] = {}
     alone: set[Task] = set()
-    with worker_pool() as pool:
+    with worker_pool(tasks) as pool:
         free = True  # whether something may have become free since the last look
         while waiting or pool.busy:
             for next_one in list(waiting) if free else ():

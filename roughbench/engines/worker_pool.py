@@ -3,20 +3,25 @@
 They are spawned, not forked: they start without the threads and locks of this process. They
 share no lock with anyone, so that one that is killed takes nothing with it but its task, which
 is tried again. They leave signals to this process, and end when it does, however it ends: each
-watches a pipe that only this process holds open.
+watches a pipe that only this process holds open. They import the script that calls ``run`` only
+where a task holds something that is defined there: a script may have other things to do, or be
+none that can be read again (``python < script.py``).
 """
 
 from __future__ import annotations
 
 import contextlib
 import os
+import pickle
 import signal
+import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from multiprocessing import current_process, get_context
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
+from types import ModuleType
 from typing import Any
 
 from roughbench.engines.base import carry_out
@@ -32,15 +37,15 @@ _WORKER = "roughbench worker"
 _NO_GUARD = 88
 """Exit code of a worker that was told to run what had started it."""
 _NEEDS_GUARD = (
-    "worker processes import the script that calls run, and it calls run again there; put the "
-    "call under the guard if __name__ == '__main__', or say jobs=1"
+    "worker processes import the script that calls run, for what it defines, and it calls run "
+    "again there; put the call under the guard if __name__ == '__main__', or say jobs=1"
 )
 
 
 def refuse_in_a_new_worker() -> None:
     """End this process at once if it is a worker that imports the script of its parent.
 
-    A worker imports the main script to find what is defined there. If that calls ``run``
+    A worker imports the main script to find what its tasks need of it. If that calls ``run``
     outside of a guard, each worker would start workers of its own; the parent says so.
     """
     if current_process().name == _WORKER and not _at_work:
@@ -58,10 +63,17 @@ class Worker:
 
 
 class WorkerPool:
-    """Workers, started when there is something to do for them."""
+    """Workers, started when there is something to do for them.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    with_script : bool
+        Whether they import the main script, and find what it defines.
+    """
+
+    def __init__(self, *, with_script: bool = True) -> None:
         self.workers: list[Worker] = []
+        self._started = contextlib.nullcontext if with_script else _without_script
         self._context = get_context("spawn")
         start_resource_tracker()  # it would let signals through while workers start
         self._watched, self._alive = self._context.Pipe(duplex=False)
@@ -86,7 +98,8 @@ class WorkerPool:
             process = self._context.Process(
                 target=_work, name=_WORKER, args=(theirs, self._watched), daemon=True
             )
-            with signals_held_back(), contextlib.suppress(BrokenPipeError):  # dead already
+            # It may be dead already.
+            with signals_held_back(), self._started(), contextlib.suppress(BrokenPipeError):
                 process.start()
                 worker = Worker(process, pipe)
                 self.workers.append(worker)
@@ -133,10 +146,31 @@ class WorkerPool:
         self._watched.close()
 
 
+def need_script(tasks: Sequence[Task]) -> bool:
+    """Whether tasks hold something that the main script defines, as a model of its own."""
+    try:
+        return b"__main__" in pickle.dumps(
+            [*{id(task.cell): task.cell for task in tasks}.values()]
+        )
+    except (pickle.PicklingError, AttributeError, TypeError):  # the worker's pipe says why
+        return True
+
+
 @contextlib.contextmanager
-def worker_pool() -> Iterator[WorkerPool]:
-    """Yield workers that end with the block."""
-    pool = WorkerPool()
+def _without_script() -> Iterator[None]:
+    """Hide the main script from a process that is started, which would import it."""
+    script = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = script
+
+
+@contextlib.contextmanager
+def worker_pool(tasks: Sequence[Task]) -> Iterator[WorkerPool]:
+    """Yield workers for some tasks, that end with the block."""
+    pool = WorkerPool(with_script=need_script(tasks))
     try:
         yield pool
     finally:

@@ -27,7 +27,7 @@ try:
 except ImportError:  # of a Numba that is built otherwise: without a cache
     FunctionCache = object
 
-_FORMAT = 1
+_FORMAT = 2
 _DIGEST = hashlib.sha256
 
 
@@ -59,15 +59,12 @@ class _CheckedCache(FunctionCache):  # type: ignore[misc]
 
     def __init__(self, function: Callable[..., Any], sources: Sequence[Path]) -> None:
         super().__init__(function)
-        implementation = self._impl
-        states = [path.stat() for path in sources]
+        # Not their times and sizes, as Numba takes: two versions may agree in both.
+        texts = [_DIGEST(path.read_bytes()).digest() for path in (_file_of(function), *sources)]
         self._cache_file = _CheckedFiles(
             Path(self.cache_path),
-            implementation.filename_base,
-            (
-                *(_FORMAT, numba.__version__, implementation.locator.get_source_stamp()),
-                *((state.st_mtime, state.st_size) for state in states),
-            ),
+            self._impl.filename_base,
+            (_FORMAT, numba.__version__, *texts),
         )
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
@@ -83,6 +80,10 @@ class _CheckedCache(FunctionCache):  # type: ignore[misc]
             super().save_overload(sig, data)
 
 
+def _file_of(function: Callable[..., Any]) -> Path:
+    return Path(function.__code__.co_filename)
+
+
 class _CheckedFiles:
     """A file for each version of a function: checksum, then what it is of, then machine code.
 
@@ -92,7 +93,7 @@ class _CheckedFiles:
     base : str
         Begin of the names.
     origin : tuple
-        What a file has to be of: format, version of Numba, state of the source.
+        What a file has to be of: format, version of Numba, the sources' digests.
     """
 
     def __init__(self, folder: Path, base: str, origin: tuple[object, ...]) -> None:

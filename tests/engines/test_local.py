@@ -249,41 +249,58 @@ surface = {'H': 0.7, 'q0': 1.0, 'q1': 32.0, 'slope': 0.1}
 models = [{'kind': 'persson'}, {'kind': 'foundation', 'springs': 64}]
 spec = {'surface': surface, 'pressures': [0.1], 'models': models}
 """
+OWN = """\
+from typing import ClassVar, Literal
+import numpy as np
+class Half(rb.Model):
+    needs: ClassVar[str] = 'spectrum'
+    title: ClassVar[str] = 'half'
+    kind: Literal['half'] = 'half'
+    def curve(self, sample, pressures):
+        return rb.Curve(pressure=pressures, area=np.full(pressures.size, 0.5))
+from roughbench.spec import load_spec
+spec = load_spec(spec)
+spec = spec.model_copy(update={'models': (*spec.models, Half())})
+"""
+RUN = "print(len(rb.run(spec, jobs=2)['main']))\n"
 
 
-@pytest.mark.parametrize("output", ["", ", output='r.h5'"])
-def test_a_script_without_a_guard_is_told(tmp_path: Path, output: str) -> None:
-    script = tmp_path / "script.py"
-    script.write_text(f"{SCRIPT}rb.run(spec, jobs=2{output})\n")
-    environment = os.environ | {"PYTHONPATH": str(Path(rb.__file__).parents[1])}
+def ended(folder: Path, text: str, *, piped: bool = False) -> tuple[int, str, str]:
+    """Return how a script ends: its exit code, what it prints, and what it complains of."""
+    script = folder / "script.py"
+    script.write_text(text)
     done = subprocess.run(
-        [sys.executable, script],
+        [sys.executable, *([] if piped else [script])],
+        input=text if piped else "",
         capture_output=True,
         text=True,
         check=False,
-        env=environment,
-        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(Path(rb.__file__).parents[1])},
+        cwd=folder,
     )
-    assert done.returncode == 1
-    assert done.stderr.count("Traceback") == 1  # that of the script; it was 92 lines
+    return done.returncode, done.stdout, done.stderr
+
+
+@pytest.mark.parametrize("piped", [False, True])
+def test_workers_leave_a_script_alone(tmp_path: Path, *, piped: bool) -> None:
+    """One without a guard, that can be read or run only once: it was 44 lines and more."""
+    once = "open('once', 'x').close()\n"
+    assert ended(tmp_path, f"{SCRIPT}{once}{RUN}", piped=piped) == (0, "2\n", "")
+
+
+def test_a_script_without_a_guard_is_told(tmp_path: Path) -> None:
+    """Workers do need the model that it defines."""
+    code, printed, said = ended(tmp_path, f"{SCRIPT}{OWN}{RUN}")
+    assert (code, printed) == (1, "")
+    assert said.count("Traceback") == 1  # that of the script; it was 92 lines
     message = "put the call under the guard if __name__ == '__main__', or say jobs=1"
-    assert done.stderr.count(message) == 1
-    assert len(done.stderr.splitlines()) < 20
+    assert said.count(message) == 1
+    assert len(said.splitlines()) < 20
 
 
 def test_a_script_with_a_guard_runs(tmp_path: Path) -> None:
-    script = tmp_path / "script.py"
-    environment = os.environ | {"PYTHONPATH": str(Path(rb.__file__).parents[1])}
-    script.write_text(f"{SCRIPT}if __name__ == '__main__':\n    rb.run(spec, jobs=2)\n")
-    guarded = subprocess.run(
-        [sys.executable, script],
-        capture_output=True,
-        text=True,
-        check=False,
-        env=environment,
-        cwd=tmp_path,
-    )
-    assert (guarded.returncode, guarded.stderr) == (0, "")
+    guard = "if __name__ == '__main__':\n    "
+    assert ended(tmp_path, f"{SCRIPT}{OWN}{guard}{RUN}") == (0, "3\n", "")
 
 
 # -- who may start -------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import sys
 from types import ModuleType
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import pytest
 
 import roughbench as rb
+from roughbench.runner import bar
 from roughbench.runner.bar import reported
 from roughbench.runner.progress import Progress
 
@@ -28,9 +30,28 @@ def test_a_run_shows_how_far_it_is(
     assert out == ""
     last = err.rstrip().rpartition("\r")[2]
     assert last.startswith("100%|")
-    assert "63/63 states" in last
+    assert ", 63/63 states: main/" in last
     assert len(last) < 80
     assert "\x1b" not in err  # no cursor moves: every notebook shows it
+
+
+@pytest.mark.parametrize("columns", [40, 60, 200])
+def test_the_percentage_is_that_of_the_counts_and_the_line_fits(
+    monkeypatch: pytest.MonkeyPatch, columns: int
+) -> None:
+    """It was 100 % at 62999 of 63000 states, in 79 columns whatever the terminal has."""
+    shown = io.StringIO()
+    monkeypatch.setattr(shown, "isatty", lambda: True)
+    monkeypatch.setattr(sys, "stderr", shown)
+    monkeypatch.setattr(bar, "columns_of_terminal", lambda: columns)
+    with reported(True) as report:  # noqa: FBT003
+        assert report is not None
+        text = "main/foundation, realizations 1 to 20 of 20, pressure 3 of 20"
+        report(Progress(62999, 63000, 0.3, text))
+    lines = [line for line in shown.getvalue().split("\r") if line.strip()]
+    assert lines[-1].startswith(" 99%|")
+    assert "62999/" in lines[-1]
+    assert all(len(line.rstrip("\n")) <= min(columns, 79) for line in lines)
 
 
 @pytest.mark.parametrize("progress", [None, False])
