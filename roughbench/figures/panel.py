@@ -194,7 +194,7 @@ def _mark_full_contact(
         markeredgecolor=colour,
         linestyle="none",
         transform=axes.get_xaxis_transform(),
-        zorder=5,
+        zorder=5.0 + 0.1 * style.order,
         gid="full contact",
     )
 

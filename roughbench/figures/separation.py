@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 _INSET = (0.115, 0.085, 0.44, 0.42)
 """Left, bottom, width and height of the inset, as fractions of the panel."""
+_MARGIN = 0.05
+"""Of the inset below zero; what models without a bound say of negative gaps is cut off."""
 
 
 class SeparationFigure(QuantityFigure):
@@ -33,6 +35,8 @@ class SeparationFigure(QuantityFigure):
         if width > 0.2:
             inset = axes.inset_axes((left, bottom, width, height))
             draw_panel(inset, results, list(results), self.name, is_inset=True)
+            low, high = inset.get_ylim()
+            inset.set_ylim(max(low, -_MARGIN * high), high)
 
 
 def _room(axes: Axes, curve: DrawnCurve) -> float:

@@ -13,7 +13,7 @@ from roughbench.runner.progress import Progress, ProgressListener
 
 _TEXT = "{desc}|{bar:8}| {elapsed}{postfix}"
 _WIDGET = "{desc}|{bar}| {elapsed}{postfix}"
-_TEXT_COLUMNS = 24
+_BAR_COLUMNS = 24
 """Of the percentage, the bar, the time (1:23:45), and what parts them from the text."""
 _WIDTH = 79
 """Of a notebook, or a file."""
@@ -37,13 +37,12 @@ def reported(progress: ProgressListener | bool | None) -> Iterator[ProgressListe
     if not progress:
         yield None
         return
-    width = min(_WIDTH, columns_of_terminal()) if sys.stderr.isatty() else _WIDTH
-    pace = Pace()
+    pace, width = Pace(), _width()
     with _bar(width) as bar:
 
         def report(news: Progress) -> None:
             pace.note(news)
-            text = counts_of(news, pace, width - _TEXT_COLUMNS)
+            text = counts_of(news, pace, width - _BAR_COLUMNS)
             bar.set_description_str(f"{percent_of(news):3d}%", refresh=False)
             bar.set_postfix_str(text, refresh=False)
             bar.update(news.done / max(news.total, 1) - bar.n)
@@ -51,8 +50,12 @@ def reported(progress: ProgressListener | bool | None) -> Iterator[ProgressListe
         yield report
 
 
+def _width() -> int:
+    return min(_WIDTH, columns_of_terminal()) if sys.stderr.isatty() else _WIDTH
+
+
 def _bar(width: int) -> Any:
-    """Return tqdm's bar for the place that this runs in; a text has so many columns."""
+    """Return tqdm's bar for the place that this runs in."""
     from tqdm import TqdmWarning
 
     with warnings.catch_warnings():

@@ -87,7 +87,8 @@ def estimate(spec: Source, *, measuring: Callable[[str], None] | None = None) ->
     """Return what a spec takes on this machine.
 
     By the clock it is the time of all tasks shared out over the cores, and at least that of
-    the longest; what starts, compiles and plans is left out.
+    the longest, after what a process takes to start and to load the models; what compiles and
+    plans is left out.
 
     Parameters
     ----------
@@ -109,10 +110,11 @@ def estimate(spec: Source, *, measuring: Callable[[str], None] | None = None) ->
     longest = max(
         (one / task.threads for one, task in zip(seconds, tasks, strict=True)), default=0.0
     )
+    start = sum(speeds.starting(task.cell.model for task in tasks))
     return TimeEstimate(
         tasks=len(tasks),
-        core_seconds=sum(seconds),
-        seconds=max(sum(seconds) / run.limits.cores, longest),
+        core_seconds=start + sum(seconds),
+        seconds=start + max(sum(seconds) / run.limits.cores, longest),
         memory=max(map(memory_of, tasks), default=0),
     )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import groupby
 from typing import Any
 
@@ -35,7 +35,8 @@ class PlanRow:
     tasks : int
         How many tasks are to be computed.
     seconds : float
-        Estimated time of what is missing, on one core.
+        Estimated time of what is missing, on one core; where a model is computed first with
+        the time that a process takes to load it, and the first of all with that to start.
     memory : int
         Estimated bytes that a task needs, or that the results need to be put together.
     """
@@ -91,13 +92,17 @@ def overview(
     for task in tasks:
         planned.setdefault(task.cell, []).append(task)
     parts = []
+    starting = dict(zip(planned, speeds.starting(cell.model for cell in planned), strict=True))
     for cell_state in cell_states:
         own = planned.get(cell_state.cell, [])
         reasons = _reasons(cell_state, own, folder)
         start = 0
         for reason, group in groupby(reasons):
             stop = start + len(list(group))
-            parts.append(_part(cell_state, range(start, stop), reason, own, speeds))
+            part = _part(cell_state, range(start, stop), reason, own, speeds)
+            if part.tasks:
+                part = replace(part, seconds=part.seconds + starting.pop(cell_state.cell, 0.0))
+            parts.append(part)
             start = stop
     return parts
 

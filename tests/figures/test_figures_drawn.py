@@ -185,6 +185,20 @@ def test_the_inset_has_a_linear_ordinate_and_the_same_curves(
     assert drawn == sorted(first)
 
 
+def test_negative_gaps_of_a_theory_do_not_press_the_inset_flat(
+    make: Make, collect: Collect, lay_out: Draw
+) -> None:
+    """Greenwood and Williamson's goes to -10 h_rms where all others are closed."""
+    result = make()
+    gaps = np.array([3.0, 2.0, 1.0, -10.0]) * float(result.attributes["rms_height"])
+    fallen = replace(result, variables={**result.variables, "separation_mean": gaps})
+    (inset,) = lay_out(collect(fallen), "separation").axes[0].child_axes
+    low, high = inset.get_ylim()
+    (line,) = inset.get_lines()
+    assert np.asarray(line.get_ydata()).min() < -1.0
+    assert -0.1 * high < low < 0.0 < np.asarray(line.get_ydata()).max() <= high
+
+
 def test_the_inset_hides_no_curve(computed: Results, lay_out: Draw) -> None:
     for shift in (1.0, 0.1, 0.01):  # contact closes earlier and earlier
         groups = {

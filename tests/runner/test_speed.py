@@ -14,7 +14,17 @@ from roughbench.engines import compute
 from roughbench.models.foundation import Foundation
 from roughbench.models.persson import Persson
 from roughbench.runner import preview, speed
+from roughbench.runner.dry_run import estimate
 from roughbench.runner.speed import Speeds
+
+START, LOADING = 0.25, 0.125
+REAL: Callable[[Any], tuple[float, float]] = speed._started
+
+
+@pytest.fixture(autouse=True)
+def _start(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Spare a process for each model that is measured."""
+    monkeypatch.setattr(speed, "_started", lambda _: (START, LOADING))
 
 
 @pytest.fixture(autouse=True)
@@ -38,7 +48,8 @@ def test_measured_once_and_kept(cache: Path) -> None:
         "measuring how fast this machine is, once for each model: foundation, persson"
     )
     assert after.endswith(f"s, kept in {cache / 'speed.json'}")
-    assert len(json.loads((cache / "speed.json").read_text())) == 2
+    kept = json.loads((cache / "speed.json").read_text())
+    assert len([name for name in kept if "start" not in name and "loading" not in name]) == 2
     assert 0.0 < Speeds().slowness(model) != 1.0
     assert measured(model, Persson()) == []
     assert len(measured(Foundation(springs=512, ends="open"))) == 2  # another option
@@ -76,13 +87,33 @@ def test_what_is_measured_is_the_computation(
     assert Speeds().slowness(Persson()) == pytest.approx(100.0)  # by the formula: 10 ms
 
 
+def test_what_a_process_takes_to_start_is_measured_in_one() -> None:
+    start, loading = REAL(Persson())
+    assert 0.05 < start < 60.0  # of an interpreter and the imports
+    assert 1e-3 < loading < 60.0  # quadratures
+    assert REAL(Foundation().model_copy(update={"label": lambda: None})) == (1e-3, 1e-3)
+
+
+def test_starts_count_once_for_each_kind() -> None:
+    models = [Persson(), Foundation(springs=512), Foundation(springs=1024), Persson()]
+    assert Speeds().starting(models) == [0.0] * 4
+    measured(*models)
+    assert Speeds().starting(models) == [START + LOADING, LOADING, 0.0, 0.0]
+    assert Speeds().starting([]) == []
+
+
 def test_estimates_use_it(small_spec: dict[str, Any], cache: Path) -> None:
+    """Small runs are mostly start: 12 s of a core were said to be 3."""
     said: list[str] = []
     by_formula = preview(small_spec)
     assert not cache.exists()
     here = preview(small_spec, measuring=said.append)
     assert len(said) == 2
-    for before, after in zip(by_formula, here, strict=True):
+    starts = [START + LOADING, LOADING]
+    for before, after, start in zip(by_formula, here, starts, strict=True):
         kind = Foundation() if "foundation" in after.model else Persson()
         model = kind.model_copy(update={"springs": 128} if kind.kind == "foundation" else {})
-        assert after.seconds == pytest.approx(before.seconds * Speeds().slowness(model))
+        computing = before.seconds * Speeds().slowness(model)
+        assert after.seconds == pytest.approx(computing + start)
+    again = estimate(small_spec)
+    assert again.core_seconds == pytest.approx(sum(part.seconds for part in here))
