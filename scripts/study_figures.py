@@ -45,7 +45,7 @@ def keep(folder: Path, kept: Path) -> None:
             continue
         content, packed = path.read_bytes(), kept / f"{name}.h5.xz"
         if not packed.is_file() or lzma.decompress(packed.read_bytes()) != content:
-            packed.write_bytes(lzma.compress(content, preset=6))
+            packed.write_bytes(lzma.compress(content, preset=9))
 
 
 def load(kept: Path, names: Sequence[str] = RUNS) -> dict[str, Results]:
