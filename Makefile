@@ -22,7 +22,7 @@ PARALLEL := -n $(shell expr $(JOBS) + $(JOBS) / 2) --dist worksteal
 	study-resolution study-ladder study-slope-8 study-slope-32 study-slope-32-coarse \
 	study-slope-128-few study-slope-128 study-slope-512 study-paper-size \
 	study-contenders-256 study-cells study-exponents-8 study-exponents-64 study-gaussian study-points study-finite-size \
-	study-finite-size-rolloff compare compare-tamaas compare-conventions compare-scans \
+	study-finite-size-rolloff study-theory compare compare-tamaas compare-conventions compare-scans \
 	notebooks outside-model preparation faults \
 	hard bench \
 	site site-links readme-figures models dist dist-check clean distclean setup setup-dev setup-docs python
@@ -37,7 +37,7 @@ STUDIES := contenders fields size rolloff below hurst cutoff resolution
 # What docs/study.md rests on, the quickest first; and what would be needed beyond.
 KEPT := ladder slope-32-coarse contenders-256 cells exponents-64 exponents-8 gaussian points \
 	finite-size finite-size-rolloff slope-128-few slope-8 \
-	slope-32 slope-128
+	slope-32 slope-128 theory
 LARGE := slope-512 paper-size
 
 ## -- computing -------------------------------------------------------------------------
@@ -122,6 +122,7 @@ study-gaussian: ## Gaussian amplitudes beside fixed ones
 study-points: ## two, four and eight points on the shortest wave
 study-finite-size: ## the finite-size law, eq. (10), for four H
 study-finite-size-rolloff: ## the same for q_r = 2 and 4 q0
+study-theory: ## the theory's own K ∼ p at the paper's cut-off; seconds
 
 ## -- checking --------------------------------------------------------------------------
 

@@ -14,7 +14,7 @@ def keep(path: Path, packed: Path) -> None:
     """Compress a results file, unless its content is kept already."""
     content = path.read_bytes()
     if not packed.is_file() or lzma.decompress(packed.read_bytes()) != content:
-        packed.write_bytes(lzma.compress(content, preset=6))
+        packed.write_bytes(lzma.compress(content, preset=9))
 
 
 def load(packed: Path) -> Results:

@@ -9,7 +9,7 @@ from roughbench.results import Results
 from roughbench.verdict import Measurement, Outcome, Verdict, judge
 from roughbench.verdict.judging import GROUPS
 
-RUNS = ("contenders-256",)
+RUNS = ("contenders-256", "theory")
 """What the verdicts are on. Other runs have too few pressures for their ranges."""
 RESAMPLES = 300
 _MOST = 4

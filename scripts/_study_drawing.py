@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 from _study_curves import Number, at_separation, curve_of, ratio_of
-from _study_numbers import Numbers, Runs, rungs, slope_cases, spectrum_of
+from _study_numbers import Numbers, Runs, gap_density, rungs, slope_cases, spectrum_of
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FormatStrFormatter, NullLocator
@@ -259,6 +259,10 @@ def distributions(runs: Runs) -> Figure:
                         x, theory, color=MODEL_COLOURS["persson"], lw=1.2, ls="--", label=words
                     )
                     handles[words] = line
+            if row == 1:
+                theory = gap_density(models["persson"], models["bem"], k)
+                x = models["bem"]["gap_pdf_bin"]
+                panel.plot(x, theory, color=MODEL_COLOURS["persson"], lw=1.2, ls="--")
             panel.set(yscale="log", xscale="linear" if row == 0 else "log")
             panel.set_xlabel(r"$\sigma/(E^*\xi)$" if row == 0 else r"gap$/h_\mathrm{rms}$")
             if column == 0:

@@ -6,10 +6,12 @@ import functools
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 from _study_curves import (
     Curve,
+    FloatArray,
     IntArray,
     Number,
     at_pressure,
@@ -20,7 +22,9 @@ from _study_curves import (
 )
 
 from roughbench.fits import Estimate, fit
+from roughbench.models.distributions import persson_gap_shares
 from roughbench.results import ModelResult, Results
+from roughbench.spec import load_spec
 from roughbench.spectrum import Spectrum, self_affine, wavenumbers
 
 Runs = Mapping[str, Results]
@@ -43,8 +47,10 @@ RUNS = (
     "points",
     "finite-size",
     "finite-size-rolloff",
+    "theory",
 )
 """Those that numbers are read from, as far as they are there: configs/study/NAME.yaml."""
+CONFIGS = Path(__file__).parents[1] / "configs" / "study"
 SEPARATIONS = (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5)
 PRESSURES = (1e-5, 1e-4, 1e-3, 1e-2)
 SLOPE_RANGE = (1e-5, 1e-3)
@@ -340,6 +346,10 @@ def foundation(runs: Runs) -> Lines:
                 read = at_separation("pressure", u)
                 name = f"foundation.{case}.{scale}.pressure-at.{u:g}"
                 yield name, ratio_of(model, exact, read, factor)
+        line = models["line"]
+        raw = replace(line, variables={**line.variables, "area": line["area_raw"]})
+        for p in (1e-4, 1e-3, 1e-2):
+            yield f"edges.{case}.line.{p:g}", ratio_of(line, raw, at_pressure("area", p))
         for label in ("winkler", "line", "persson", "gw"):
             for p in (1e-5, 1e-4, 1e-3, 1e-2):
                 for what in ("area", "separation", "stiffness"):
@@ -426,10 +436,12 @@ def distributions(runs: Runs) -> Lines:
                     read = functools.partial(_pressure_density, models[label], exact, k, sigma)
                     found = jackknife(read, exact.n_realizations)
                     yield f"pdf.{case}.{label}.pressure-{sigma:g}.{p:g}", found
-            for low, high in ((0.01, 0.1), (0.1, 1.0), (1.0, 10**0.5), (10**0.5, 10.0)):
-                read = functools.partial(_gap_share, models["winkler"], exact, k, low, high)
-                found = jackknife(read, exact.n_realizations)
-                yield f"pdf.{case}.winkler.gap-{low:.2g}-{high:.2g}.{p:g}", found
+            gaps = (("winkler", models["winkler"]), ("persson", models["persson"]))
+            for label, density in ((name, gap_density(one, exact, k)) for name, one in gaps):
+                for low, high in ((0.01, 0.1), (0.1, 1.0), (1.0, 10**0.5), (10**0.5, 10.0)):
+                    read = functools.partial(_gap_share, density, exact, k, low, high)
+                    found = jackknife(read, exact.n_realizations)
+                    yield f"pdf.{case}.{label}.gap-{low:.2g}-{high:.2g}.{p:g}", found
 
 
 def _pressure_density(
@@ -444,18 +456,49 @@ def _pressure_density(
     return float(np.asarray(model["pressure_pdf"], float)[chosen, k, part].mean() / ours)
 
 
+def gap_density(model: ModelResult, exact: ModelResult, k: int) -> FloatArray:
+    """Return the density of the gap over h_rms at a pressure, in the bins of the exact one.
+
+    Its shape is that of realizations and bins, for Persson's theory of bins alone.
+    """
+    if model.kind != "persson":
+        return np.asarray(model["gap_pdf"], float)[:, k]
+    spectrum, edges = spectrum_of(exact), np.asarray(exact["gap_pdf_edges"], float)
+    pressure, gamma = float(exact["pressure"][k]), float(model.attributes["gamma"])
+    shares = persson_gap_shares(edges * spectrum.rms_height, spectrum, pressure, gamma)
+    return shares / np.diff(edges)
+
+
 def _gap_share(
-    model: ModelResult, exact: ModelResult, k: int, low: float, high: float, chosen: IntArray
+    density: FloatArray, exact: ModelResult, k: int, low: float, high: float, chosen: IntArray
 ) -> float:
-    """Return the share of points out of contact with a gap between two, over the exact one."""
+    """Return the share of points with a gap between two, in h_rms, over the exact one."""
     edges = np.asarray(exact["gap_pdf_edges"], float)
     part = (edges[:-1] >= low * 0.999) & (edges[1:] <= high * 1.001)
     width = np.diff(edges)[part]
+    ours = density[chosen] if density.ndim == 2 else density[None]
     one, other = (
-        float((np.asarray(m["gap_pdf"], float)[chosen, k][:, part] * width).sum(axis=1).mean())
-        for m in (model, exact)
+        float((values[:, part] * width).sum(axis=1).mean())
+        for values in (ours, gap_density(exact, exact, k)[chosen])
     )
     return one / other
+
+
+def theories(runs: Runs) -> Lines:
+    """Yield over how many decades Persson's theory has K ∼ p at the paper's cut-off."""
+    yield from fitted(runs, "theory", {"persson": ("drift_3", "log_decades", "alpha_realized")})
+
+
+def ensembles(runs: Runs) -> Lines:
+    """Yield how many exact surfaces a run has, and for how many its spec asks."""
+    for name, results in runs.items():
+        models = next(iter(results.values()))
+        if "bem" not in models:
+            continue
+        count = min(one["bem"].n_realizations for one in results.values())
+        yield f"run.{name}.computed", Number(float(count))
+        spec = load_spec(CONFIGS / f"{name}.yaml")
+        yield f"run.{name}.asked", Number(float(spec.realizations))
 
 
 def everything(runs: Runs) -> dict[str, Number]:
@@ -471,6 +514,8 @@ def everything(runs: Runs) -> dict[str, Number]:
         sizes,
         amplitudes,
         points,
+        theories,
+        ensembles,
     ):
         for name, number in part(runs):
             if name in found:

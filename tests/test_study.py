@@ -69,6 +69,13 @@ def test_kept_lines_follow_from_kept_results(script: ModuleType) -> None:
         assert ours == pytest.approx(theirs, rel=1e-5, nan_ok=True), name
 
 
+def test_a_run_says_how_many_surfaces_it_has_and_should_have(script: ModuleType) -> None:
+    found = dict(part("_study_numbers").ensembles(script.load(KEPT, [QUICK])))
+    spec = rb.load_spec(ROOT / "configs" / "study" / f"{QUICK}.yaml")
+    assert found[f"run.{QUICK}.asked"].value == spec.realizations
+    assert found[f"run.{QUICK}.computed"].value == found[f"run.{QUICK}.asked"].value == 16
+
+
 @pytest.mark.slow
 def test_all_lines_follow_from_kept_results(script: ModuleType) -> None:
     numbers = script.everything(script.load(KEPT))
@@ -94,6 +101,38 @@ def test_a_name_without_a_number_is_an_error(script: ModuleType) -> None:
         script.page_of("{none.such}", numbers, "")
     with pytest.raises(ValueError, match=r"c\.d has no value"):
         script.page_of("{c.d}", numbers, "")
+
+
+def test_gaps_in_theory_are_shares_of_all_points(
+    script: ModuleType,  # noqa: ARG001 - its parts are imported
+) -> None:
+    """All of them together are what does not touch; an equal density has the ratio one."""
+    numbers = part("_study_numbers")
+    spec = {
+        "surface": {"H": 0.7, "q0": 1.0, "qr": 2.0, "q1": 8.0, "slope": 0.1},
+        "pressures": [0.01],
+        "models": [{"kind": "persson"}],
+    }
+    theory = rb.run(spec)["main"]["persson"]
+    edges = np.array([0.0, 0.5, 2.0, 100.0])
+    exact = replace(
+        theory,
+        kind="bem",
+        attributes={**theory.attributes, "grid_points": 32},
+        variables={
+            "pressure": theory["pressure"],
+            "gap_pdf_edges": edges,
+            "gap_pdf": np.array([[[0.5, 0.25, 0.0]], [[0.25, 0.0, 0.0]]]),
+        },
+    )
+    density = numbers.gap_density(theory, exact, 0)
+    share = float(np.sum(density * np.diff(edges)))
+    assert share == pytest.approx(1.0 - float(theory["area_mean"][0]), rel=1e-3)
+    both = np.array([0, 1])
+    over = numbers._gap_share(density, exact, 0, 0.0, 0.5, both)
+    assert over == pytest.approx(density[0] / 0.375)
+    own = numbers.gap_density(exact, exact, 0)
+    assert numbers._gap_share(own, exact, 0, 0.0, 2.0, both) == 1.0
 
 
 # -- reading curves ------------------------------------------------------------------------
