@@ -16,9 +16,11 @@ from numpy.typing import NDArray
 
 from roughbench.figures.axes import Axes as Shown
 from roughbench.figures.axes import axes_of
+from roughbench.figures.labels import height_remark, unconverged_remarks
 from roughbench.fits import is_exact
 from roughbench.quantities import QUANTITIES
 from roughbench.results import ModelResult, Results
+from roughbench.verdict.measures import CUTOFF
 from roughbench.verdict.onset import foundation_and_theory
 
 if TYPE_CHECKING:
@@ -55,6 +57,11 @@ class RollOffCase:
     exact: ModelResult | None
 
     @property
+    def models(self) -> list[ModelResult]:
+        """Those that there are, at least one."""
+        return [one for one in (self.springs, self.theory, self.exact) if one is not None]
+
+    @property
     def label(self) -> str:
         """What a legend says."""
         return rf"$q_\mathrm{{r}}/q_0 = {self.ratio:.6g}$"
@@ -79,8 +86,8 @@ def cases_of(results: Results) -> list[RollOffCase]:
     ]
 
 
-def lack_of(results: Results) -> str | None:
-    """Return what results lack for a figure as printed, or None."""
+def lack_of(results: Results, *names: str) -> str | None:
+    """Return what results lack for a figure of some quantities as printed, or None."""
     if results.has_units:
         return "results without units"
     cases = cases_of(results)
@@ -89,14 +96,14 @@ def lack_of(results: Results) -> str | None:
     ratios = [case.ratio for case in cases]
     if len(set(ratios)) < len(ratios) or len(cases) < len(results):
         return f"experiments that differ in the roll-off alone, at most {len(_COLOURS)}"
-    return None
+    return next(filter(None, (_lack_of_values(results, name) for name in names)), None)
 
 
-def lack_of_values(results: Results, name: str) -> str | None:
+def _lack_of_values(results: Results, name: str) -> str | None:
     """Return what results lack that have no value of a quantity to be drawn, or None."""
     for case in cases_of(results):
-        for model in (case.springs, case.theory, case.exact):
-            if model is not None and f"{name}_mean" in model:
+        for model in case.models:
+            if f"{name}_mean" in model:
                 mean = np.asarray(model[f"{name}_mean"], float)
                 if (np.isfinite(mean) & (mean > 0.0)).any():
                     return None
@@ -178,23 +185,50 @@ def legend_of(results: Results, models: tuple[str, ...]) -> list[Artist]:
     ]
 
 
-def counts_remark(results: Results) -> str:
-    """Say how many surfaces and lines the averages are over."""
-    return "; ".join(
-        f"{words}: {', '.join(map(str, dict.fromkeys(found)))}"
-        for words, found in _counts(cases_of(results))
-        if found
-    )
+def remarks_of(results: Results, *more: str) -> list[str]:
+    """Return what stands under the panels: surfaces, lengths, counts, what is missing."""
+    return [
+        _surfaces_remark(results),
+        height_remark(results),
+        "; ".join(
+            f"{words}: {', '.join(map(str, dict.fromkeys(found)))}"
+            for words, found in _counts(cases_of(results))
+            if found
+        ),
+        *_exact_remarks(results),
+        *more,
+        *unconverged_remarks(results),
+    ]
 
 
-def exact_remark(results: Results) -> str:
-    """Say of which cases there are no exact points; nothing if all have some."""
+def _surfaces_remark(results: Results) -> str:
+    """Say what the surfaces have in common, as far as it is known."""
+    known = [case.models[0].attributes for case in cases_of(results)]
+    found = {
+        "$H": {f"{one['hurst']:.6g}" for one in known if "hurst" in one},
+        r"$\mathrm{rms\ slope}": {f"{one['rms_slope']:.6g}" for one in known},
+        "$q_1/q_0": {f"{ratio:.6g}" for ratio in _cutoffs(results)},
+    }
+    values = {name: ", ".join(sorted(some)) for name, some in found.items()}
+    return "; ".join(f"{name} = {text}$" for name, text in values.items() if text)
+
+
+def _cutoffs(results: Results) -> set[float]:
+    """Return q1/q0 of all cases, without the errors of rounding."""
+    known = [case.models[0].attributes for case in cases_of(results)]
+    ratios = (float(one["q_max"]) / float(one["q_min"]) for one in known if "q_max" in one)
+    return {float(f"{ratio:.6g}") for ratio in ratios}
+
+
+def _exact_remarks(results: Results) -> Iterator[str]:
+    """Say of which cases there are no exact points, and how to get some."""
     cases = cases_of(results)
     without = [case.label for case in cases if case.exact is None]
-    if not without:
-        return ""
-    whose = "" if len(without) == len(cases) else f" for {' and '.join(without)}"
-    return f"no exact points{whose}: not in these results (plot --with joins others)"
+    if without:
+        whose = "" if len(without) == len(cases) else f" for {' and '.join(without)}"
+        yield f"No exact points{whose} in these results; plot --with joins others."
+        if _cutoffs(results) == {CUTOFF}:
+            yield "At this cut-off they take 13.5 GB and hours: configs/paper/bem.yaml."
 
 
 def _counts(cases: list[RollOffCase]) -> Iterator[tuple[str, list[int]]]:

@@ -11,19 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from roughbench.figures.labels import height_remark, unconverged_remarks
-from roughbench.figures.printed import (
-    RollOffCase,
-    cases_of,
-    counts_remark,
-    draw_case,
-    exact_remark,
-    lack_of,
-    lack_of_values,
-    legend_of,
-    mean_of,
-    scaled_axes,
-)
+from roughbench.figures import printed
 from roughbench.figures.style import footnote, legend_above, letter, new_figure
 from roughbench.notation import mathtext
 from roughbench.results import Results
@@ -37,22 +25,21 @@ _HALF = 0.5
 
 def missing(results: Results) -> str | None:
     """Return what the results lack for this figure, or None."""
-    lacks = (lack_of_values(results, name) for name in ("area", "separation"))
-    return lack_of(results) or next(filter(None, lacks), None)
+    return printed.lack_of(results, "area", "separation")
 
 
 def draw(results: Results) -> Figure:
     """Return the figure."""
     figure, both = new_figure(2, 2.3, extra=0.5)
-    cases, shown = cases_of(results), scaled_axes(results)
+    cases, shown = printed.cases_of(results), printed.scaled_axes(results)
     limit = _limit(cases, results)
     for number, (axes, name) in enumerate(zip(both, ("area", "separation"), strict=True)):
         lowest = 1.0
         for k, case in enumerate(cases):
-            draw_case(axes, case, name, shown, _MODELS, k / len(cases))
-            for model in (case.theory, case.exact):
-                if model is not None and f"{name}_mean" in model:
-                    pressure, mean, _ = mean_of(model, name, shown)
+            printed.draw_case(axes, case, name, shown, _MODELS, k / len(cases))
+            for model in case.models:
+                if model is not case.springs and f"{name}_mean" in model:
+                    pressure, mean, _ = printed.mean_of(model, name, shown)
                     seen = mean[(pressure <= limit) & (mean > 0.0)]
                     lowest = min(lowest, seen.min(initial=1.0))
         axes.set_xlim(0.0, limit)
@@ -65,26 +52,20 @@ def draw(results: Results) -> Figure:
         axes.set_xlabel(mathtext(shown.pressure.label))
         axes.label_outer()
         letter(axes, number)
-    legend_above(figure, legend_of(results, _MODELS))
-    remarks = [
-        height_remark(results),
-        counts_remark(results),
-        exact_remark(results),
-        *unconverged_remarks(results),
-    ]
-    footnote(figure, [*filter(None, remarks)])
+    legend_above(figure, printed.legend_of(results, _MODELS))
+    footnote(figure, printed.remarks_of(results))
     return figure
 
 
-def _limit(cases: list[RollOffCase], results: Results) -> float:
+def _limit(cases: list[printed.RollOffCase], results: Results) -> float:
     """Return the highest pressure of the axes, p/E*."""
-    shown, ends = scaled_axes(results), []
+    shown, ends = printed.scaled_axes(results), []
     highest = 0.0
     for case in cases:
-        for model in (case.theory, case.exact, case.springs):
-            if model is None or "area_mean" not in model:
+        for model in case.models:
+            if "area_mean" not in model:
                 continue
-            pressure, area, _ = mean_of(model, "area", shown)
+            pressure, area, _ = printed.mean_of(model, "area", shown)
             highest = max(highest, float(pressure[-1]))
             if model is not case.springs and area[0] < _HALF < area[-1]:
                 ends.append(float(np.interp(_HALF, area, pressure)))

@@ -15,20 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from roughbench.figures import printed
 from roughbench.figures.axes import Axes as Shown
-from roughbench.figures.labels import height_remark, number_text, unconverged_remarks
-from roughbench.figures.printed import (
-    RollOffCase,
-    cases_of,
-    counts_remark,
-    draw_case,
-    exact_remark,
-    lack_of,
-    lack_of_values,
-    legend_of,
-    mean_of,
-    scaled_axes,
-)
+from roughbench.figures.labels import number_text
 from roughbench.figures.style import footnote, legend_above, letter, new_figure
 from roughbench.notation import mathtext
 from roughbench.quantities import QUANTITIES
@@ -49,20 +38,20 @@ _NO_ONSET = "no law of few contacts in these pressures"
 
 def missing(results: Results) -> str | None:
     """Return what the results lack for this figure, or None."""
-    return lack_of(results) or lack_of_values(results, "stiffness")
+    return printed.lack_of(results, "stiffness")
 
 
 def draw(results: Results) -> Figure:
     """Return the figure."""
     figure, both = new_figure(2, 2.4, extra=0.6, share=True)
-    cases, shown = cases_of(results), scaled_axes(results)
-    remarks = [height_remark(results), counts_remark(results), exact_remark(results)]
+    cases, shown = printed.cases_of(results), printed.scaled_axes(results)
+    remarks = []
     marks = False
     for number, (axes, models) in enumerate(zip(both, _PANELS, strict=True)):
         axes.set_xscale("log")
         axes.set_yscale("log")
         for k, case in enumerate(cases):
-            draw_case(axes, case, "stiffness", shown, models, k / len(cases))
+            printed.draw_case(axes, case, "stiffness", shown, models, k / len(cases))
         axes.set_ylabel(mathtext(shown["stiffness"].label))
         axes.set_xlabel(mathtext(shown.pressure.label))
         axes.label_outer()
@@ -82,12 +71,16 @@ def draw(results: Results) -> Figure:
         start = number_text(linear) if math.isfinite(linear) else "beyond"
         words = rf"$\theta = {theta:.3g}$, deviates from {where}, linear from {start}"
         remarks.append(f"{case.label}: {words}.")
-    legend_above(figure, legend_of(results, _PANELS[0] + _PANELS[1]) + _handles(marks=marks))
-    footnote(figure, [*filter(None, remarks), *unconverged_remarks(results)])
+    legend_above(
+        figure, printed.legend_of(results, _PANELS[0] + _PANELS[1]) + _handles(marks=marks)
+    )
+    footnote(figure, printed.remarks_of(results, *remarks))
     return figure
 
 
-def _onset(case: RollOffCase) -> tuple[Theory, float, tuple[float, float, float]] | None:
+def _onset(
+    case: printed.RollOffCase,
+) -> tuple[Theory, float, tuple[float, float, float]] | None:
     """Return theory, how its laws are joined, and θ, first deviation and linear region."""
     if case.springs is None or "stiffness_mean" not in case.springs:
         return None
@@ -102,7 +95,7 @@ def _onset(case: RollOffCase) -> tuple[Theory, float, tuple[float, float, float]
     return None if math.isnan(found[0]) else (theory, m, found)
 
 
-def _mark(both: list[Axes], case: RollOffCase, deviates: float, linear: float) -> None:
+def _mark(both: list[Axes], case: printed.RollOffCase, deviates: float, linear: float) -> None:
     for axes in both:
         if math.isfinite(deviates):
             axes.axvline(
@@ -123,7 +116,7 @@ def _mark(both: list[Axes], case: RollOffCase, deviates: float, linear: float) -
 
 
 def _draw_counted_from(
-    axes: Axes, case: RollOffCase, theory: Theory, stiffness: FloatArray, shown: Shown
+    axes: Axes, case: printed.RollOffCase, theory: Theory, stiffness: FloatArray, shown: Shown
 ) -> None:
     if case.springs is not None:
         value = stiffness / shown["stiffness"].divisor(case.springs)
@@ -131,13 +124,13 @@ def _draw_counted_from(
         axes.plot(theory.pressure, value, zorder=2, gid="counted from", **look)
 
 
-def _limits(cases: list[RollOffCase], shown: Shown) -> tuple[float, float]:
+def _limits(cases: list[printed.RollOffCase], shown: Shown) -> tuple[float, float]:
     """Return the limits of both panels: all that is drawn, up to nearly full contact."""
     values = []
     for case in cases:
-        for model in (case.theory, case.exact, case.springs):
-            if model is not None and "stiffness_mean" in model:
-                _, mean, _ = mean_of(model, "stiffness", shown)
+        for model in case.models:
+            if "stiffness_mean" in model:
+                _, mean, _ = printed.mean_of(model, "stiffness", shown)
                 values += mean[np.isfinite(mean) & (mean > 0.0)].tolist()
     return min(values) / 2.0, min(2.0 * max(values), QUANTITIES["stiffness"].highest)
 

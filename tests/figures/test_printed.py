@@ -110,10 +110,39 @@ def test_few_states_of_springs_are_marked(wide: Results, draw: Draw) -> None:
 
 
 def test_missing_exact_points_are_said(wide: Results, exact: Results, draw: Draw) -> None:
+    cases = ((wide, "points in these"), (join(wide, exact), "points for $q_"))
     for name in ("printed_fig3", "printed_fig4"):
-        for results, said in ((wide, "points: not"), (join(wide, exact), "_0 = 1$: not")):
+        for results, said in cases:
             texts = [one.get_text() for one in draw(results, name).findobj(Text)]
-            assert any("no exact points" in text and said in text for text in texts)
+            assert any(f"No exact {said}" in text for text in texts)
+            assert not any("configs/paper/bem.yaml" in text for text in texts)
+            assert any(
+                r"$H = 0.7$; $\mathrm{rms\ slope} = 0.1$; $q_1/q_0 = 1024$" in text
+                for text in texts
+            )
+
+
+def test_at_the_papers_cut_off_the_way_to_exact_points_is_said(
+    wide: Results, exact: Results, draw: Draw
+) -> None:
+    results = join(wide, exact)
+    large = {
+        name: {label: _cut_off(one, 8192.0) for label, one in models.items()}
+        for name, models in results.experiments.items()
+    }
+    for name in ("printed_fig3", "printed_fig4"):
+        texts = [
+            text.get_text()
+            for text in draw(replace(results, experiments=large), name).findobj(Text)
+        ]
+        assert any("No exact points for $q_" in text for text in texts)
+        assert any("13.5 GB and hours: configs/paper/bem.yaml" in text for text in texts)
+    twice = large | {"surface.qr=1.0": large["surface.qr=8.0"] | large["surface.qr=1.0"]}
+    texts = [
+        text.get_text()
+        for text in draw(replace(results, experiments=twice), "printed_fig3").findobj(Text)
+    ]
+    assert not any("xact points" in text for text in texts)
 
 
 def test_marks_stand_where_the_foundation_deviates(wide: Results, draw: Draw) -> None:
@@ -140,6 +169,10 @@ def test_without_few_contacts_there_is_no_mark_but_a_word(wide: Results, lay_out
     assert lines(figure, "deviates") == []
     words = " ".join(text.get_text() for text in figure.findobj(Text))
     assert words.count("no dashed line, no law of few contacts") == 2
+
+
+def _cut_off(result: ModelResult, ratio: float) -> ModelResult:
+    return replace(result, attributes={**result.attributes, "q_max": ratio})
 
 
 def _from(result: ModelResult, first: int) -> ModelResult:
