@@ -9,12 +9,11 @@ The exact solver itself is drawn against Westergaard's wave, which is computed h
 from __future__ import annotations
 
 import argparse
-import lzma
 import math
-import tempfile
 from pathlib import Path
 from typing import Any
 
+import _kept
 import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
@@ -159,15 +158,9 @@ def main() -> None:
     parser.add_argument("results", type=Path, nargs="?", help="of a new run, to be kept")
     path = parser.parse_args().results
     if path:
-        KEPT.write_bytes(lzma.compress(path.read_bytes(), preset=9))
-    with (
-        tempfile.TemporaryDirectory() as folder,
-        publication_style(),
-        rc_context({"savefig.dpi": 160}),
-    ):
-        copy = Path(folder) / "models.h5"
-        copy.write_bytes(lzma.decompress(KEPT.read_bytes()))
-        results = rb.load(copy)
+        _kept.keep(path, KEPT)
+    results = _kept.load(KEPT)
+    with publication_style(), rc_context({"savefig.dpi": 160}):
         kinds = [kind for kind in next(iter(results.values())) if kind != "bem"]
         for kind in kinds:
             save_one(comparison(results, kind), kind)

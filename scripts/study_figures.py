@@ -13,19 +13,17 @@ one in percent, and {claims} by the table.
 from __future__ import annotations
 
 import argparse
-import lzma
 import math
 import re
-import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+import _kept
 from _study_claims import claims
 from _study_curves import Number
 from _study_drawing import FIGURES
 from _study_numbers import RUNS, Numbers, everything
 
-import roughbench as rb
 from roughbench.figures.files import save
 from roughbench.figures.style import publication_style
 from roughbench.numbers import number, with_error
@@ -41,25 +39,14 @@ def keep(folder: Path, kept: Path) -> None:
     kept.mkdir(exist_ok=True)
     for name in RUNS:
         path = folder / f"study-{name}.h5"
-        if not path.is_file():
-            continue
-        content, packed = path.read_bytes(), kept / f"{name}.h5.xz"
-        if not packed.is_file() or lzma.decompress(packed.read_bytes()) != content:
-            packed.write_bytes(lzma.compress(content, preset=6))
+        if path.is_file():
+            _kept.keep(path, kept / f"{name}.h5.xz")
 
 
 def load(kept: Path, names: Sequence[str] = RUNS) -> dict[str, Results]:
     """Return the kept results, by name, as far as they are there."""
-    runs = {}
-    with tempfile.TemporaryDirectory() as folder:
-        for name in names:
-            path = kept / f"{name}.h5.xz"
-            if not path.is_file():
-                continue
-            unpacked = Path(folder) / f"study-{name}.h5"
-            unpacked.write_bytes(lzma.decompress(path.read_bytes()))
-            runs[name] = rb.load(unpacked)
-    return runs
+    paths = {name: kept / f"{name}.h5.xz" for name in names}
+    return {name: _kept.load(path) for name, path in paths.items() if path.is_file()}
 
 
 def lines_of(numbers: Numbers) -> str:
