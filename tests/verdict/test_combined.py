@@ -39,7 +39,7 @@ def test_each_side_comes_from_the_sides_that_lead_there() -> None:
 def test_what_has_no_error_adds_none() -> None:
     assert math.isnan(ratio_of(bare(2.0), bare(4.0)).error)
     found = ratio_of(interval(2.0, 1.0, 4.0), bare(4.0))
-    assert (found.low, found.high) == (pytest.approx(0.25), pytest.approx(1.0))
+    assert [found.low, found.high] == pytest.approx([0.25, 1.0])
     unknown = Estimate(1.0, math.nan, math.nan, math.nan, 0.3, count=8)  # rarely exists
     assert math.isnan(ratio_of(interval(2.0, 1.0, 4.0), unknown).low)
     assert ratio_of(interval(0.5, -0.1, 1.0), bare(1.0)).low == 0.0
