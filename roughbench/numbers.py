@@ -64,6 +64,7 @@ def with_error(value: float, error: float, digits: int = 3, *, of_error: int = 2
     return f"({text})·{_power(power)}" if power else text
 
 
+_ROUNDING = 1e-9
 LOPSIDED = 1.5
 """From this ratio of both sides on, an interval is said with its two sides."""
 
@@ -92,14 +93,19 @@ def with_interval(value: float, low: float, high: float, digits: int = 3) -> str
     ('2.050 ± 0.020', '3.2 (+19/−0.1)')
     >>> with_interval(3.2, 3.1, math.inf), with_interval(9.4, 6.02, 9.3)
     ('3.2 (+∞/−0.1)', '9.4 (68 %: 6.0 to 9.3)')
+    >>> with_interval(2e-5, 2.00000000000001e-5, 2.00000000000001e-5)  # but for rounding
+    '2·10⁻⁵'
     """
     if math.isnan(value) or math.isinf(value) or math.isnan(low) or math.isnan(high):
         return number(value, digits)
-    down, up = value - low, high - value
+    down, up = (
+        0.0 if abs(side) <= _ROUNDING * abs(value) else side
+        for side in (value - low, high - value)
+    )
     sides = [side for side in (down, up) if math.isfinite(side) and side != 0.0]
     if not sides:
         return number(value, digits)
-    if not is_lopsided(value, low, high):
+    if not is_lopsided(value, value - down, value + up):
         return with_error(value, 0.5 * (down + up), digits)
     power = math.floor(math.log10(abs(value))) if value else 0
     power = 0 if -4 < power < 4 else power

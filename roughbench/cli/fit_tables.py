@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from roughbench.fits import Estimate, reference_of
 from roughbench.fits.tables import Table, departure_tables, law_tables, with_pressures
-from roughbench.numbers import is_lopsided, with_interval
+from roughbench.numbers import with_interval
 from roughbench.results import ModelResult, Results
 from roughbench.verdict.trust import ContenderTrust, Trust
 
@@ -109,11 +109,16 @@ def _wrapped(text: str, indent: int) -> list[str]:
 
 
 def _lines(width: int, headings: Sequence[str], table: Table) -> Iterator[str]:
-    widths = [max(_WIDTH, len(heading)) for heading in headings]
+    shown = {label: [_text(number) for number in row] for label, row in table.rows.items()}
+    columns = zip(*shown.values(), strict=True)
+    widths = [
+        max(_WIDTH, len(heading), *map(len, column))
+        for heading, column in zip(headings, columns, strict=True)
+    ]
     titles = (f"  {heading:<{w}}" for heading, w in zip(headings, widths, strict=True))
     yield f"{'':{width}}{''.join(titles)}".rstrip()
-    for label, row in table.rows.items():
-        texts = (f"  {_text(number):<{w}}" for number, w in zip(row, widths, strict=True))
+    for label, row in shown.items():
+        texts = (f"  {text:<{w}}" for text, w in zip(row, widths, strict=True))
         yield f"{label:{width}}{''.join(texts)}".rstrip()
 
 
@@ -129,9 +134,7 @@ def _text(number: Estimate) -> str:
         return f"{number.bound} {value}"
     if math.isnan(number.low):
         return value
-    if is_lopsided(number.value, number.low, number.high):
-        return with_interval(number.value, number.low, number.high)
-    return f"{value} ± {number.error:.2g}"
+    return with_interval(number.value, number.low, number.high, 4)
 
 
 def to_json(

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
 from roughbench.fits import MISSING, Estimate, factors
 from roughbench.fits.resampling import draw_counts, estimate, n_random
 from roughbench.results import ModelResult
+from roughbench.verdict.combined import difference_of, power_of, ratio_of
 from roughbench.verdict.experiments import that_differ_in
 from roughbench.verdict.measures import (
     SYMBOLS,
@@ -20,7 +21,6 @@ from roughbench.verdict.measures import (
     Measure,
     Reading,
     has_many_scales,
-    ratio_of,
     reading,
 )
 from roughbench.verdict.sizes import size_exponent
@@ -81,25 +81,20 @@ def _over_rolloff(what: str, compare: Callable[[Fits, Fits], Estimate]) -> Measu
                 found = compare(experiment.fits[here.label], first.fits[there.label])
                 low, high = (float(one.attributes["q_rolloff"]) for one in (there, here))
                 words = f"{what}, q_r = {high:g} and {low:g}"
-                yield Reading(experiment.where(here), words, found)
+                yield Reading(
+                    experiment.where(here),
+                    words,
+                    found,
+                    missing="K ∼ p begins or ends beyond the pressures, or is nowhere",
+                    remedy="pressures from 1e-7 to 0.1, beyond both ends of K ∼ p",
+                )
 
     return measure
 
 
-def _difference(a: Estimate, b: Estimate) -> Estimate:
-    """Return a - b; their errors are taken as independent."""
-    if not (math.isfinite(a.value) and math.isfinite(b.value)):
-        return MISSING
-    count = min((x.count for x in (a, b) if x.count), default=0)
-    value = a.value - b.value
-    error = math.hypot(*(x.error if x.count else 0.0 for x in (a, b))) if count else math.nan
-    bound = "≥" if a.is_bound and not b.is_bound else ""
-    share = min(a.share, b.share)
-    return Estimate(value, error, value - error, value + error, share, bound, count)
-
-
 widening = _over_rolloff(
-    "decades of K ∼ p, difference", lambda a, b: _difference(a["log_decades"], b["log_decades"])
+    "decades of K ∼ p, difference",
+    lambda a, b: difference_of(a["log_decades"], b["log_decades"]),
 )
 """By how many decades the region K ∼ p is wider with a roll-off."""
 earlier_start = _over_rolloff(
@@ -130,27 +125,6 @@ def finite_size_power(name: str, symbol: str) -> Measure:
             yield Reading(experiment.where(model), what, power_of(values, thetas))
 
     return measure
-
-
-def power_of(x: Sequence[float], y: Sequence[Estimate]) -> Estimate:
-    """Return the slope of ln y over ln x by least squares; errors are taken as independent.
-
-    Examples
-    --------
-    >>> exact = [Estimate(v, math.nan, math.nan, math.nan, 1.0) for v in (1.0, 4.0, 16.0)]
-    >>> round(power_of([1.0, 2.0, 4.0], exact).value, 9)
-    2.0
-    """
-    if any(not one.value > 0.0 or math.isinf(one.value) for one in y):
-        return MISSING
-    offset = np.log(x) - np.mean(np.log(x))
-    weight = offset / (offset @ offset)
-    value = float(weight @ np.log([one.value for one in y]))
-    count = min((one.count for one in y if one.count), default=0)
-    parts = [one.error / one.value if one.count else 0.0 for one in y]
-    error = math.hypot(*(weight * parts)) if count else math.nan
-    share = min(one.share for one in y)
-    return Estimate(value, error, value - error, value + error, share, count=count)
 
 
 def repetition(experiments: Experiments, _kinds: Kinds, resamples: int) -> Iterator[Reading]:

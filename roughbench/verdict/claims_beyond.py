@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 from roughbench.verdict.between import power_of_size
-from roughbench.verdict.criteria import AT_SMALL_AREA, SAME_SEPARATION, SPRINGS
+from roughbench.verdict.criteria import (
+    AT_SMALL_AREA,
+    NEAR_ONE_PERCENT,
+    SAME_SEPARATION,
+    SPRINGS,
+)
 from roughbench.verdict.experiments import EXACT
 from roughbench.verdict.fields import spectrum_exponent
 from roughbench.verdict.judging import Claim, Criterion
@@ -25,7 +30,7 @@ BEYOND = (
                 near(SPRINGS, 0.2),
             ),
         ),
-        "a spec with bem and winkler and observables: [stress_spectrum]",
+        f"a spec with bem and winkler and observables: [stress_spectrum], {NEAR_ONE_PERCENT}",
         _GROUP,
     ),
     Claim(

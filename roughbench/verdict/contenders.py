@@ -3,7 +3,9 @@
 For each quantity that a model gives, at equal pressure and, for area and stiffness, at equal
 mean separation: between which pressures it is within 10 % and 50 % of the exact solution, and
 the factor between both, where the exact solution has A ∼ p or K ∼ p (see
-:mod:`roughbench.fits.comparisons`). The factor decides, as in the paper's claims.
+:mod:`roughbench.fits.comparisons`). Since ū hardly tells models apart at equal pressure, the
+factor between the pressures at equal ū is taken as well. The factors decide, as in the paper's
+claims.
 """
 
 from __future__ import annotations
@@ -12,18 +14,28 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 
 from roughbench.fits import MISSING, PERCENTS, Comparison, Estimate, comparisons
+from roughbench.fits.comparisons import PRESSURE_FACTOR
 from roughbench.notation import typeset
 from roughbench.quantities import QUANTITIES
 from roughbench.results import ModelResult
 from roughbench.verdict.criteria import TO_FOLLOW
 from roughbench.verdict.experiments import FittedExperiment
 from roughbench.verdict.judging import CaseOutcome, Measurement, Range, Verdict, measurement
-from roughbench.verdict.measures import OTHER_PRESSURES, Reading, case_of, closed_note
+from roughbench.verdict.measures import (
+    LAW_OF,
+    OTHER_PRESSURES,
+    Reading,
+    case_of,
+    closed_note,
+    pressure_words,
+    pressures_note,
+)
 from roughbench.verdict.rules import Outcome, agreed, together
 
 _RULE = (
-    "factor between the model and the exact solution, where that has A ∼ p (for the area) or "
-    f"K ∼ p, each with the rms height of its own surfaces: {TO_FOLLOW.text}"
+    "factor between the model and the exact solution, and between their pressures at equal "
+    "mean separation, where that has A ∼ p (for the area) or K ∼ p, each with the rms height "
+    f"of its own surfaces: {TO_FOLLOW.text}"
 )
 
 
@@ -89,10 +101,16 @@ def _measurements(experiment: FittedExperiment, model: ModelResult) -> Iterator[
             missing = f"{note}; no factor: {_why_missing(comparison)}"
             reading = Reading(where, what, factor, note, missing=missing, case=case)
             yield measurement(reading, TO_FOLLOW, ranges)
+    pressures = fits.get(PRESSURE_FACTOR)
+    if pressures is not None and pressures.is_given:
+        missing = f"no factor: {_why_missing(Comparison('separation'))}"
+        note, what = pressures_note(fits), "factor in p at equal ū/h_rms"
+        reading = Reading(where, what, pressures, note, missing=missing, case=case)
+        yield measurement(reading, TO_FOLLOW)
 
 
 def _why_missing(comparison: Comparison) -> str:
-    law = "A ∼ p" if comparison.quantity == "area" else "K ∼ p"
+    law = LAW_OF[comparison.quantity]
     return f"the exact solution has no region {law}, or too few values of both are in it"
 
 
@@ -106,11 +124,6 @@ def _text(found: Range, comparison: Comparison) -> str:
     if not math.isfinite(found.start.value):
         return f"nowhere within {found.percent} %"
     first = f"the first pressure{' compared' * comparison.at_separation}"
-    low = first if found.start.is_bound else f"p = {_number(found.start)}"
-    high = "the last" if found.end.is_bound else _number(found.end)
+    low = first if found.start.is_bound else f"p = {pressure_words(found.start)}"
+    high = "the last" if found.end.is_bound else pressure_words(found.end)
     return f"within {found.percent} % from {low} to {high}"
-
-
-def _number(found: Estimate) -> str:
-    error = "" if math.isnan(found.error) else f" ± {found.error:.1g}"
-    return f"({found.value:.2g}{error}) E*" if error else f"{found.value:.2g} E*"

@@ -26,7 +26,15 @@ OVERLAP = PowerLaw("−(2+H)", lambda h: -(2.0 + h))
 SPRINGS = PowerLaw("−(2+2H)", lambda h: -(2.0 + 2.0 * h))
 
 BEM = "a spec with bem, at pressures from 1e-6 to 0.1"
-FEW = "a spec with bem, at pressures from 1e-7, and surface.q1 of at least 512 times surface.q0"
+FEW = (
+    "a spec with bem, surface.qr = q0 and surface.q1 of at least 512 q0, at pressures from 1e-7"
+)
+"""With a roll-off it is q1/q_r that has to be as large, at lower pressures."""
+FEW_OF_EACH = (
+    "a spec with bem, surface.q1 of at least 512 times every surface.qr, at pressures from 1e-8"
+)
+NEAR_ONE_PERCENT = "at a pressure with A/A₀ near 1 %"
+TWO_LOADS = "at pressures with A/A₀ from 0.001 to 0.1 of which two are a factor 3 apart"
 
 _FACTOR = "factor between the model's {} and the exact one{} where the exact solution has {}"
 _OWN_UNITS = ", each with the rms height of its own surfaces,"

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from roughbench.fits import MISSING, Estimate, n_random
 from roughbench.fits.resampling import draw_counts, estimate
+from roughbench.numbers import number
 from roughbench.results import ModelResult
 from roughbench.verdict.experiments import models_of
 from roughbench.verdict.measures import (
@@ -51,7 +52,7 @@ def spectrum_exponent(observable: str, law: PowerLaw) -> Measure:
             estimate = Estimate(mean, error, mean - error, mean + error, 1.0, count=count)
             hurst = float(model.attributes["hurst"])
             expected, pressure = law.exponent(hurst), float(model["pressure"][k])
-            note = f"{expected:.2f} expected; at p = {pressure:.2g} E*"
+            note = f"{number(expected)} expected; at p = {number(pressure, 2)} E*"
             yield reading(experiment, model, what, estimate, note=note, hurst=hurst)
 
     return measure
@@ -88,7 +89,7 @@ def change_with_load(observable: str) -> Measure:
                 continue
             low, high = (int(chosen[place(p[chosen])]) for place in (np.argmin, np.argmax))
             found = distance(model, observable, (low, high), resamples)
-            note = f"at p = {p[low]:.2g} and {p[high]:.2g} E*"
+            note = f"at p = {number(p[low], 2)} and {number(p[high], 2)} E*"
             yield reading(experiment, model, what, found, note=note)
 
     return measure

@@ -15,8 +15,10 @@ from typing import Any
 from roughbench.fits import MISSING, Comparison, Estimate
 from roughbench.fits.comparisons import HEIGHTS, PRESSURE_FACTOR
 from roughbench.notation import typeset
+from roughbench.numbers import with_interval
 from roughbench.quantities import QUANTITIES
 from roughbench.results import ModelResult
+from roughbench.verdict.combined import ratio_of
 from roughbench.verdict.experiments import FittedExperiment, models_of
 from roughbench.verdict.rules import PowerLaw
 
@@ -37,6 +39,14 @@ SMALL_AREAS = (0.003, 0.03)
 """Where that may lie: a factor of three away."""
 NO_VALUE = "there is no such region, or no value in it"
 OTHER_PRESSURES = "its pressures are not those of the exact solution"
+SAME_PRESSURES = "the same pressures for both"
+LAW_OF = {"area": "A ∼ p", "separation": "K ∼ p", "stiffness": "K ∼ p"}
+"""Quantity → where the exact solution has which law models are held against it."""
+
+
+def pressures_of(law: str) -> str:
+    """Return what would give a value where there is none since the law lacks."""
+    return f"more pressures where the exact solution has {law}, such as from 1e-6 to 0.1"
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,10 +227,12 @@ def factor(quantity: str, only: Condition = everywhere) -> Measure:
                 closed = closed_note(fits.get(Comparison(quantity).closed))
                 note = "; ".join([note, *closed])
                 missing = "; ".join([NO_VALUE, *closed])
-                more = {"note": note, "missing": missing}
+                remedy = pressures_of(LAW_OF[quantity])
+                more = {"note": note, "missing": missing, "remedy": remedy}
                 yield reading(experiment, model, what, fits[name], **more)
             elif experiment.exact is not None:
-                yield reading(experiment, model, what, MISSING, missing=OTHER_PRESSURES)
+                more = {"missing": OTHER_PRESSURES, "remedy": SAME_PRESSURES}
+                yield reading(experiment, model, what, MISSING, **more)
 
     return measure
 
@@ -231,15 +243,20 @@ def pressure_factor(only: Condition = everywhere) -> Measure:
     def measure(experiments: Experiments, kinds: Kinds, _resamples: int) -> Iterator[Reading]:
         for experiment, model, fits in models_of(experiments, kinds):
             if only(model) and PRESSURE_FACTOR in fits:
-                ratios = {h: fits[f"pressure_at_{h}h"].value for h in HEIGHTS}
-                known = {h: ratio for h, ratio in ratios.items() if math.isfinite(ratio)}
-                words = ", ".join(f"{ratio:.2g}" for ratio in known.values())
-                places = ", ".join(map(str, known))
-                note = f"{words} times the exact p at ū/h_rms = {places}" if known else ""
-                what = "factor in p at equal ū/h_rms"
-                yield reading(experiment, model, what, fits[PRESSURE_FACTOR], note=note)
+                what, note = "factor in p at equal ū/h_rms", pressures_note(fits)
+                more = {"note": note, "remedy": pressures_of("K ∼ p")}
+                yield reading(experiment, model, what, fits[PRESSURE_FACTOR], **more)
 
     return measure
+
+
+def pressures_note(fits: Mapping[str, Estimate]) -> str:
+    """Say which parts of the exact pressure lead to some mean separations."""
+    ratios = {h: fits[f"pressure_at_{h}h"] for h in HEIGHTS}
+    known = {h: ratio for h, ratio in ratios.items() if math.isfinite(ratio.value)}
+    words = ", ".join(with_interval(one.value, one.low, one.high, 2) for one in known.values())
+    places = ", ".join(map(str, known))
+    return f"{words} times the exact p at ū/h_rms = {places}" if known else ""
 
 
 def agreement(fits: Mapping[str, Estimate], comparison: Comparison, percent: int) -> str:
@@ -247,9 +264,24 @@ def agreement(fits: Mapping[str, Estimate], comparison: Comparison, percent: int
     start, end = (fits[name] for name in comparison.ends(percent))
     if not math.isfinite(start.value):
         return f"nowhere within {percent} %"
-    low = "the first pressure" if start.is_bound else f"p = {start.value:.2g} E*"
-    high = "the last" if end.is_bound else f"{end.value:.2g} E*"
+    low = "the first pressure" if start.is_bound else f"p = {pressure_words(start)}"
+    high = "the last" if end.is_bound else pressure_words(end)
     return f"within {percent} % from {low} to {high}"
+
+
+def pressure_words(found: Estimate) -> str:
+    """Return a pressure with its interval, in E*.
+
+    Examples
+    --------
+    >>> pressure_words(Estimate(2.0e-5, 1.0e-6, 1.9e-5, 2.1e-5, 1.0))
+    '(2.00 ± 0.10)·10⁻⁵ E*'
+    >>> pressure_words(Estimate(0.2, 0.01, 0.19, 0.21, 1.0))
+    '(0.200 ± 0.010) E*'
+    """
+    text = with_interval(found.value, found.low, found.high, 2)
+    is_bare = " ± " in text and not text.startswith("(")
+    return f"({text}) E*" if is_bare else f"{text} E*"
 
 
 def closing_ratio(experiments: Experiments, kinds: Kinds, _resamples: int) -> Iterator[Reading]:
@@ -260,15 +292,3 @@ def closing_ratio(experiments: Experiments, kinds: Kinds, _resamples: int) -> It
             ratio = ratio_of(there, fits["half_contact"])
             what = f"p at A/A₀ = ½, exact over {model.kind}"
             yield reading(experiment, model, what, ratio)
-
-
-def ratio_of(a: Estimate, b: Estimate) -> Estimate:
-    """Return a/b of two estimates; their errors are taken as independent."""
-    if not (math.isfinite(a.value) and math.isfinite(b.value)):
-        return MISSING
-    count = min((x.count for x in (a, b) if x.count), default=0)
-    value = a.value / b.value
-    parts = [x.error / x.value if x.count else 0.0 for x in (a, b)]
-    error = value * math.hypot(*parts) if count else math.nan
-    share = min(a.share, b.share)
-    return Estimate(value, error, value - error, value + error, share, count=count)

@@ -14,14 +14,16 @@ from roughbench.fits.drift import least_drift
 from roughbench.fits.laws import inside
 from roughbench.fits.resampling import draw_counts, estimate, n_random, resampled_means
 from roughbench.fits.windows import straight_line
+from roughbench.numbers import number
 from roughbench.results import ModelResult
+from roughbench.verdict.combined import ratio_of
 from roughbench.verdict.experiments import models_of
 from roughbench.verdict.measures import (
     Experiments,
     Kinds,
     Measure,
     Reading,
-    ratio_of,
+    pressure_words,
     reading,
 )
 from roughbench.verdict.onset import onset, theory_of
@@ -32,6 +34,8 @@ FloatArray = NDArray[np.float64]
 STIFF = 1.0
 """K h_rms/E* by whose pressure models are told apart that diverge: far above K ∼ p."""
 _ENERGY_DECADES = 2
+_NO_START = "the region K ∼ p begins at the lowest pressure, or there is none"
+_LOWER = "a spec with bem at lower pressures"
 
 
 def energy_drift(experiments: Experiments, kinds: Kinds, resamples: int) -> Iterator[Reading]:
@@ -100,6 +104,20 @@ def same_range(experiments: Experiments, kinds: Kinds, resamples: int) -> Iterat
         yield reading(experiment, model, "part of K ∼ p with A ∼ p", found)
 
 
+def area_before_stiffness(
+    experiments: Experiments, kinds: Kinds, _resamples: int
+) -> Iterator[Reading]:
+    """Measure where A ∼ p begins over where K ∼ p does."""
+    what = "start of A ∼ p over that of K ∼ p"
+    for experiment, model, fits in models_of(experiments, kinds):
+        if "area" in model and "stiffness" in model:
+            area, stiffness = (fits[f"{name}_from"] for name in ("kappa", "log"))
+            found = MISSING if stiffness.is_bound else ratio_of(area, stiffness)
+            words = f"{pressure_words(area)} and {pressure_words(stiffness)}"
+            more = {"note": words, "missing": _NO_START, "remedy": _LOWER}
+            yield reading(experiment, model, what, found, **more)
+
+
 def scatter_of(model: ModelResult, name: str, counts: FloatArray) -> FloatArray:
     """Return the relative scatter of a quantity between realizations, for each resample.
 
@@ -124,9 +142,7 @@ def fluctuations(experiments: Experiments, kinds: Kinds, resamples: int) -> Iter
             continue
         start, end = (fits[f"log_{side}"] for side in ("from", "to"))
         if start.is_bound or not math.isfinite(start.value):
-            why = "the region K ∼ p begins at the lowest pressure, or there is none"
-            lower = "a spec with bem at lower pressures"
-            yield reading(experiment, model, what, MISSING, missing=why, remedy=lower)
+            yield reading(experiment, model, what, MISSING, missing=_NO_START, remedy=_LOWER)
             continue
         counts = draw_counts(model.n_realizations, resamples, 0)
         scatter = scatter_of(model, "stiffness", counts)
@@ -186,7 +202,7 @@ def exponent_below(law: PowerLaw) -> Measure:
             below = np.isfinite(rate) & (averages.pressure < start)
             slope, _ = straight_line(np.log(averages.pressure), rate, below)
             hurst = float(model.attributes["hurst"])
-            note = f"{law.text} = {law.exponent(hurst):.3f}; below p = {start:.2g} E*"
+            note = f"{law.text} = {law.exponent(hurst):.3f}; below p = {number(start, 2)} E*"
             found = estimate(slope, count=averages.count)
             what = "n of K ∼ pⁿ"
             yield reading(experiment, model, what, found, note=note, hurst=hurst)
@@ -205,5 +221,5 @@ def start_of_deviation(
         for m, joined in ((math.inf, "their larger"), (2.0, "the root of their squares")):
             found = onset(model, theory, m=m, resamples=resamples)
             what = f"first deviation over start of K ∼ p; theory: {joined}"
-            note = f"{found.deviates.value:.2g} and {found.linear.value:.2g} E*"
+            note = f"{pressure_words(found.deviates)} and {pressure_words(found.linear)}"
             yield reading(experiment, model, what, found.ratio, note=note)

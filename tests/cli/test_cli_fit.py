@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import Result
 
@@ -14,7 +16,7 @@ import roughbench as rb
 from roughbench.cli.fit import command
 from roughbench.cli.fit_tables import as_text, to_json
 from roughbench.fits import RESAMPLES, fit
-from roughbench.numbers import is_lopsided, with_interval
+from roughbench.numbers import with_interval
 from roughbench.verdict import fit_experiments, trust_of
 from tests.fits.lawful import collect, make
 from tests.fits.test_comparisons import exact_curves, without
@@ -61,10 +63,8 @@ def test_prints_a_row_for_every_model(fits: Path, invoke: Invoke) -> None:
             kappa = names["kappa"]
             if not math.isnan(kappa.value):
                 shown = f"{kappa.value:.4g}"
-                if is_lopsided(kappa.value, kappa.low, kappa.high):
-                    shown = with_interval(kappa.value, kappa.low, kappa.high)
-                elif not math.isnan(kappa.error):
-                    shown += f" ± {kappa.error:.2g}"
+                if not math.isnan(kappa.error):
+                    shown = with_interval(kappa.value, kappa.low, kappa.high, 4)
                 assert shown in text
     assert "≤ 1e-08" in text  # Persson's area is proportional down to the first pressure
     assert "nan" not in text
@@ -101,6 +101,22 @@ def test_json_is_strict_and_complete(fits: Path, invoke: Invoke) -> None:
     assert json.loads(to_json(rb.load(fits), found, "persson", 20, trusts)) == content
 
 
+def test_digits_follow_the_error_and_columns_the_longest() -> None:
+    curves = exact_curves()
+    scatter = np.linspace(0.7, 1.3, len(curves["area"]))[:, None]
+    results = collect(make({name: array * scatter for name, array in curves.items()}))
+    text = as_text(results, fit(results, resamples=50), "file.h5", None)
+    found = re.findall(r"(\d+(?:\.(\d+))?) ± \d+(?:\.(\d+))?", text)
+    assert found
+    assert all(len(value) == len(error) for _, value, error in found)
+    for block in text.split("\n\n"):
+        heads = [line for line in block.splitlines() if line.startswith("     ")]
+        rows = [line for line in block.splitlines() if line.startswith("bem  ")]
+        for head, row in zip(heads, rows, strict=False):
+            starts = [match.start() for match in re.finditer(r"(?<=  )\S", head)]
+            assert all(row[at - 2 : at] == "  " and row[at] != " " for at in starts[1:])
+
+
 def test_what_a_model_does_not_give_is_said() -> None:
     bare = without(make(exact_curves(), "erf09"), "separation", "stiffness")
     results = collect(make(exact_curves()), bare)
@@ -108,7 +124,7 @@ def test_what_a_model_does_not_give_is_said() -> None:
     text = as_text(results, fitted, "file.h5", None)
     assert "A/A0 at equal ū/h_rms within 10 %: from" in text
     row = text.split("in p at equal ū/h_rms\n")[1].splitlines()[0]
-    assert row.split() == ["erf09", "1", "±", "0", *["not", "given"] * 5]
+    assert row.split() == ["erf09", "1", *["not", "given"] * 5]
     content = json.loads(to_json(results, fitted, None, 10))["experiments"]["main"]["erf09"]
     assert content["kappa"]["value"] is not None
     assert "stiffness_agrees_to_10" not in content

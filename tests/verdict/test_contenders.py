@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -50,6 +51,7 @@ def test_every_model_but_the_exact_one_is_judged_once() -> None:
             "factor in K h_rms",
             "factor in A/A₀ at equal ū/h_rms",
             "factor in K h_rms at equal ū/h_rms",
+            "factor in p at equal ū/h_rms",
         ]
 
 
@@ -73,6 +75,24 @@ def test_the_factor_decides(factor: float, outcome: Outcome) -> None:
         assert measured.outcome == outcome
 
 
+@pytest.mark.parametrize(
+    ("factor", "outcome"), [(1.3, Outcome.HOLDS), (0.2, Outcome.FAILS), (3.0, Outcome.FAILS)]
+)
+def test_the_pressure_at_equal_separation_decides_too(factor: float, outcome: Outcome) -> None:
+    """ū = u0 ln(p0 c/p) for c times the pressure: a tenth more of ū, whatever c."""
+    values = exact_curves(scatter=SCATTER)
+    base = np.maximum(values["separation"], 0.0)
+    moved = exact_curves(scatter=SCATTER)
+    slope = (base[:, :1] - base[:, 1:2]) / math.log(P[1] / P[0])
+    moved["separation"] = np.where(base > 0, base + slope * math.log(factor), base)
+    [verdict] = judged(make(values), make(moved, KIND))
+    measured = verdict.measurements[-1]
+    assert measured.value == pytest.approx(max(factor, 1 / factor), rel=0.1)
+    assert measured.outcome == outcome
+    assert "times the exact p at ū/h_rms = " in measured.note
+    assert verdict.outcome == outcome
+
+
 def test_a_verdict_says_where_a_known_deviation_ends() -> None:
     """area = exact × (1 + ε(p)), with an error from a scatter that is the contender's own."""
     theirs = make(exact_curves(scatter=np.zeros(5)))
@@ -86,8 +106,10 @@ def test_a_verdict_says_where_a_known_deviation_ends() -> None:
             assert one.end.value == pytest.approx(where_it_is(1 + part, 0.15), rel=1e-9)
             assert 0 < one.start.error < 0.2 * one.start.value
         low, high = where_it_is(0.9, 0.15), where_it_is(1.1, 0.15)
-        assert measured.note.startswith(f"within 10 % from p = ({low:.2g} ± ")
-        assert f" to ({high:.2g} ± " in measured.note
+        ends = re.findall(r"[(]([\d.]+) ?[(±][^)]*[)]*·10(\S+) E", measured.note)
+        powers = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
+        values = [float(f"{one}e{power.translate(powers)}") for one, power in ends]
+        assert values[:2] == pytest.approx([low, high], rel=0.02)
         assert measured.error > 0
     same = verdict.measurements[1]
     assert same.note == (
@@ -177,8 +199,11 @@ def test_without_a_region_the_ranges_remain() -> None:
     [verdict] = judged(make(values), make(values, KIND))
     assert verdict.outcome == Outcome.NOT_TESTED
     assert verdict.remedy == "a spec with bem, at pressures where it has A ∼ p or K ∼ p"
-    for measured in verdict.measurements:
+    *ranges, pressures = verdict.measurements
+    assert pressures.what == "factor in p at equal ū/h_rms"
+    for measured in ranges:
         compared = " compared" * ("at equal" in measured.what)
         assert measured.note.startswith(f"within 10 % from the first pressure{compared} to the")
+    for measured in verdict.measurements:
         assert "no factor: the exact solution has no region" in measured.note
         assert math.isnan(measured.value)
