@@ -109,8 +109,8 @@ def check_outside() -> int:
     if reason := unreachable():
         print(
             f"error: whether these {len(outside)} links answer cannot be asked here: {PROBE} "
-            f"is out of reach ({reason}). Run it where there is a network; that all of them are "
-            "well-formed, `make site` has seen",
+            f"is out of reach ({reason}). Run it where there is a network; that all of them "
+            "are well-formed, `make site` has seen",
             file=sys.stderr,
         )
         return 1

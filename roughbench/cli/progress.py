@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import logging
-import math
 import os
 import sys
 import threading
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from roughbench.runner.pace import Pace
 from roughbench.text import printable
 
 if TYPE_CHECKING:
@@ -24,8 +24,6 @@ _COLUMNS = 60
 _BAR = "{bar:8}| {elapsed}{postfix}"
 _BAR_COLUMNS = 20
 """Of the bar, the time (up to an hour: 1:23:45), and what parts them from the text."""
-_NEWS_TO_SETTLE = 3
-_SECONDS_TO_SETTLE = 2.0
 
 
 def duration(seconds: float) -> str:
@@ -42,62 +40,6 @@ def duration(seconds: float) -> str:
     if minutes < 60:
         return f"{minutes} min {rest} s"
     return f"{minutes // 60} h {minutes % 60} min"
-
-
-class _Pace:
-    """How long the rest takes, by the pace since the first news.
-
-    Loops are compiled before that; to count this time would foretell hours. Between news the
-    time left counts down, and it is shown only when it has begun to settle.
-    """
-
-    def __init__(self) -> None:
-        self.start = time.monotonic()
-        self._begin: tuple[float, float] | None = None  # when, and what share was done
-        self._end: float | None = None
-        self._started = False
-        self._monitored = 0
-
-    def note(self, news: Progress) -> None:
-        """Take note of news; the first one only says what was there at the start."""
-        now = time.monotonic()
-        if not self._started or news.text.startswith("compiling"):
-            self._started, self._begin, self._monitored = True, None, 0
-            return
-        if self._begin is None:
-            self._begin = now, news.share
-            return
-        self._monitored += 1
-        since, share = self._begin
-        if news.share > share:
-            self._end = now + (now - since) * (1.0 - news.share) / (news.share - share)
-
-    def left(self) -> str:
-        """Return the time left, such as ``", 12 s left"``; empty if nobody can tell yet."""
-        now = time.monotonic()
-        if self._end is None or self._begin is None or self._monitored < _NEWS_TO_SETTLE:
-            return ""
-        if now - self._begin[0] < _SECONDS_TO_SETTLE:
-            return ""
-        return f", {_roughly(max(1.0, self._end - now))} left"
-
-
-def _roughly(seconds: float) -> str:
-    """Return a time to two digits or so: nobody knows it better.
-
-    Examples
-    --------
-    >>> _roughly(1.2), _roughly(38.4), _roughly(75.0), _roughly(7384.0)
-    ('1 s', '40 s', '2 min', '2 h 5 min')
-    """
-    if seconds < 10.0:
-        return f"{seconds:.0f} s"
-    if seconds < 55.0:
-        return f"{5 * math.ceil(seconds / 5)} s"
-    minutes = math.ceil(seconds / 60)
-    if minutes < 60:
-        return f"{minutes} min"
-    return f"{minutes // 60} h {5 * math.ceil(minutes % 60 / 5)} min"
 
 
 @contextlib.contextmanager
@@ -120,7 +62,7 @@ def progress_shown(*, quiet: bool, verbose: bool) -> Iterator[ProgressListener |
         if quiet:
             yield None
             return
-        pace = _Pace()
+        pace = Pace()
         latest: list[Progress] = []
         bar = tqdm(total=1.0, disable=None, dynamic_ncols=True, leave=False, bar_format=_BAR)
 
@@ -147,7 +89,7 @@ def progress_shown(*, quiet: bool, verbose: bool) -> Iterator[ProgressListener |
             yield report
 
 
-def _line(news: Progress, pace: _Pace, columns: int) -> str:
+def _line(news: Progress, pace: Pace, columns: int) -> str:
     """Return how far a run is, in so many columns: 100 % is when every state is there."""
     percent = 100 * news.done // max(1, news.total)
     text = f"{percent} %, {news.done}/{news.total} states{pace.left()}: {news.text}"

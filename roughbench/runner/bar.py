@@ -8,10 +8,11 @@ import warnings
 from collections.abc import Iterator
 from typing import Any
 
+from roughbench.runner.pace import Pace
 from roughbench.runner.progress import Progress, ProgressListener
 
-_TEXT = "{percentage:3.0f}%|{bar:20}| {elapsed}<{remaining}{postfix}"
-_WIDGET = "{percentage:3.0f}%|{bar}| {elapsed}<{remaining}{postfix}"
+_TEXT = "{percentage:3.0f}%|{bar:20}| {elapsed}{postfix}"
+_WIDGET = "{percentage:3.0f}%|{bar}| {elapsed}{postfix}"
 _WIDTH = 79
 SECONDS_BETWEEN_LINES = 30.0
 """Where standard error is a file or a pipe, that keeps every line."""
@@ -33,10 +34,13 @@ def reported(progress: ProgressListener | bool | None) -> Iterator[ProgressListe
     if not progress:
         yield None
         return
+    pace = Pace()
     with _bar() as bar:
 
         def report(news: Progress) -> None:
-            bar.set_postfix_str(f"{news.done}/{news.total} states: {news.text}", refresh=False)
+            pace.note(news)
+            states = f"{news.done}/{news.total} states{pace.left()}"
+            bar.set_postfix_str(f"{states}: {news.text}", refresh=False)
             bar.update(news.done / max(news.total, 1) - bar.n)
 
         yield report

@@ -25,6 +25,7 @@ from roughbench.cli import progress as cli_progress
 from roughbench.planning.tasks import Block
 from roughbench.rundir.collected import Collected
 from roughbench.runner import Progress
+from roughbench.runner.pace import Pace
 
 Invoke = Callable[..., Result]
 Popen = subprocess.Popen[str]
@@ -178,7 +179,7 @@ def test_the_time_left_settles(monkeypatch: pytest.MonkeyPatch) -> None:
     """It does not count what was compiled, nor jump, and counts down between news."""
     clock = [0.0]
     monkeypatch.setattr(time, "monotonic", lambda: clock[0])
-    pace = cli_progress._Pace()
+    pace = Pace()
     message = []
     for now, share, text in (
         (0.0, 0.2, "starting"),
