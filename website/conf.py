@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from docutils import nodes
-from sphinx.addnodes import pending_xref
+from sphinx.addnodes import desc_signature, pending_xref
 from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
 
@@ -83,23 +83,23 @@ def find_public_name(
     )
 
 
-def drop_dead_links_to_docs(app: Sphinx) -> list[Any]:
-    """Leave out links from sources to where viewcode thinks that a name is described.
+def add_anchors(_app: Sphinx, doctree: nodes.document) -> None:
+    """Give what is described an anchor for each name that viewcode may lead back to.
 
     It takes all that a file defines for described under one module, and here some is described
     as ``roughbench.plot`` and some as ``roughbench.figures.available``.
     """
-    described = app.env.domains.python_domain.objects
-    for entry in getattr(app.env, "_viewcode_modules", {}).values():
-        if entry:
-            _, _, used, module = entry
-            for name in [one for one in used if f"{module}.{one}" not in described]:
-                del used[name]
-    return []
+    for signature in doctree.findall(desc_signature):
+        name = str(signature.get("fullname", ""))
+        thing = getattr(roughbench, name.partition(".")[0], None)
+        for module in ("roughbench", getattr(thing, "__module__", "")):
+            anchor = f"{module}.{name}"
+            if thing is not None and module and anchor not in signature["ids"]:
+                signature["ids"].append(anchor)
 
 
 def setup(app: Sphinx) -> None:
     """Connect the three."""
     app.connect("autodoc-process-docstring", escape_bars)
     app.connect("missing-reference", find_public_name)
-    app.connect("html-collect-pages", drop_dead_links_to_docs, priority=100)  # before viewcode
+    app.connect("doctree-read", add_anchors)

@@ -20,6 +20,9 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 from roughbench.errors import StoreError
 from roughbench.figures import (
     contact,
@@ -151,7 +154,7 @@ def plot(
     results: Results,
     name: str,
     *,
-    ax: Axes | None = None,
+    ax: Axes | Sequence[Axes] | NDArray[np.object_] | None = None,
     overlay: str | os.PathLike[str] | None = None,
     style: str | os.PathLike[str] = "",
 ) -> Axes | list[Axes]:
@@ -163,9 +166,10 @@ def plot(
     name : str
         As for :func:`render`: ``area``, ``separation``, ``stiffness``, ``spectrum`` …; see
         :func:`available`.
-    ax : Axes, optional
+    ax : Axes or array of Axes, optional
         Panel to draw into, of a figure of the caller's, whose style it keeps; for a figure of
-        one panel. Remarks stand under its axis.
+        several panels as many, row by row. The legend stands in the first, remarks stand under
+        the axis of the last.
     overlay : path, optional
         A CSV file of points to draw over the curves, see :mod:`roughbench.figures.points`.
     style : str or path
@@ -179,8 +183,8 @@ def plot(
     Raises
     ------
     StoreError
-        If there is no such figure, the results lack what it shows, it has several panels and
-        ``ax`` is one, or it shows nothing of the points.
+        If there is no such figure, the results lack what it shows, it has more or fewer panels
+        than ``ax``, or it shows nothing of the points.
     ModelError
         If a figure from outside cannot be used.
 
@@ -203,15 +207,16 @@ def plot(
         if not names_file(name) and not shows_points(results, name):
             raise StoreError(f"the figure {name!r} shows no column of {Path(overlay).name}")
     name, recipe = _allowed(results, name)
-    canvas = Canvas(ax)
-    if ax is not None:
+    canvas = Canvas(None if ax is None else tuple(np.asarray(ax, dtype=object).ravel()))
+    if canvas.axes is not None:
         if style:
             raise StoreError("ax has a style already: give either ax or style")
         with drawing_on(canvas):
             figure = _asked(recipe.draw, name, results)
         if not canvas.panels:
             raise StoreError(f"the figure {name!r} makes panels of its own; leave out ax")
-        return ax
+        panels = [panel for panel in canvas.panels if panel in figure.axes]
+        return panels[0] if len(canvas.panels) == 1 else panels
     import matplotlib.pyplot as plt
 
     # Loads the backend, whose settings are the caller's, not ours.

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from roughbench.figures.labels import experiment_labels
-from roughbench.figures.style import COLUMN, footnote, letter, new_figure
+from roughbench.figures.style import COLUMN, footnote, letter, new_figure, set_width
 from roughbench.notation import mathtext
 from roughbench.results import Results
 from roughbench.surface_record import SurfaceRecord, fitted_spectrum
@@ -36,7 +36,7 @@ def draw(results: Results) -> Figure:
     labels = experiment_labels(results)
     records = {name: results.surfaces[name] for name in results if name in results.surfaces}
     figure, panels = new_figure(len(records), 2.3, 3, extra=0.2)
-    figure.set_figwidth(2.2 * COLUMN)
+    set_width(figure, 2.2 * COLUMN)
     for row, (name, record) in enumerate(records.items()):
         heights, spectrum, density = panels[3 * row : 3 * row + 3]
         _draw_map(heights, record)

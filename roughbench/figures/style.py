@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import logging
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from importlib import resources
@@ -37,13 +37,13 @@ class Canvas:
 
     Attributes
     ----------
-    axes : Axes or None
-        The one panel; None: those of a figure that pyplot shows.
+    axes : tuple of Axes or None
+        Panels of the caller's; None: those of a figure that pyplot shows.
     panels : list of Axes
         That have been made, or given.
     """
 
-    axes: Axes | None = None
+    axes: tuple[Axes, ...] | None = None
     panels: list[Axes] = field(default_factory=list)
 
 
@@ -52,7 +52,7 @@ _CANVAS: ContextVar[Canvas | None] = ContextVar("canvas", default=None)
 
 @contextlib.contextmanager
 def drawing_on(canvas: Canvas) -> Iterator[None]:
-    """Have figures drawn into a panel that is there, or shown by pyplot."""
+    """Have figures drawn into panels that are there, or shown by pyplot."""
     token = _CANVAS.set(canvas)
     try:
         yield
@@ -146,19 +146,22 @@ def new_figure(
     Raises
     ------
     StoreError
-        If there is one panel to draw into, and the figure has several.
+        If there are panels to draw into, more or fewer than the figure has.
     """
     from matplotlib.figure import Figure
 
     canvas = _CANVAS.get()
     if canvas is not None and canvas.axes is not None:
-        if rows * columns != 1:
+        if rows * columns != len(canvas.axes):
+            many = "one panel" if rows * columns == 1 else f"{rows * columns} panels"
             raise StoreError(
-                f"the figure has {rows * columns} panels, and cannot be drawn into one: leave "
-                "out ax, or choose results or a figure of a single panel"
+                f"the figure has {many}, and ax is {len(canvas.axes)}: give ax as many, as of "
+                f"plt.subplots({rows}, {columns}), or leave it out"
             )
-        canvas.panels = [canvas.axes]
-        return _figure_of(canvas.axes), [canvas.axes]
+        canvas.panels = list(canvas.axes)
+        if share:
+            _share(canvas.panels, columns)
+        return _figure_of(canvas.axes[0]), canvas.panels
     size = (COLUMN * columns if width is None else width, height * rows + extra)
     if canvas is None:
         figure = Figure(figsize=size)
@@ -186,9 +189,25 @@ def _figure_of(axes: Axes) -> Figure:
     return figure
 
 
-def _given() -> Axes | None:
+def _share(panels: Sequence[Axes], columns: int) -> None:
+    """Give panels the same limits of x, and those of a row the same of y, if they have not."""
+    for k, panel in enumerate(panels):
+        row = panels[k - k % columns]
+        if not panel.get_shared_x_axes().joined(panel, panels[0]):
+            panel.sharex(panels[0])
+        if not panel.get_shared_y_axes().joined(panel, row):
+            panel.sharey(row)
+
+
+def _given() -> tuple[Axes, ...] | None:
     canvas = _CANVAS.get()
     return None if canvas is None else canvas.axes
+
+
+def set_width(figure: Figure, inches: float) -> None:
+    """Set the width of a figure, unless it is the caller's."""
+    if _given() is None:
+        figure.set_figwidth(inches)
 
 
 def letter(axes: Axes, number: int, text: str = "") -> None:
@@ -200,10 +219,11 @@ def legend_above(figure: Figure, handles: list[Artist], room: float = 0.9) -> No
     """Put the legend above the panels, in as many columns as fit.
 
     The figure grows by what a legend is taller than ``room``, in inches, so that many
-    contenders do not press the panels flat. In a panel that was given it stands inside.
+    contenders do not press the panels flat. In panels that were given it stands in the first.
     """
-    axes = _given()
-    if axes is not None:
+    given = _given()
+    if given is not None:
+        axes = given[0]
         axes.legend(handles=handles, loc="upper right" if axes.child_axes else "best")
         return
     for columns in (4, 3, 2, 1):
@@ -218,9 +238,9 @@ def legend_above(figure: Figure, handles: list[Artist], room: float = 0.9) -> No
 
 
 def footnote(figure: Figure, lines: list[str]) -> None:
-    """Write remarks under the panels, if there are any; at the axis of one that was given."""
-    axes = _given()
-    if axes is not None:
-        axes.set_xlabel("\n".join([axes.get_xlabel(), *lines]))
+    """Write remarks under the panels, if there are any; at the last axis of those given."""
+    given = _given()
+    if given is not None:
+        given[-1].set_xlabel("\n".join([given[-1].get_xlabel(), *lines]))
     elif lines:
         figure.supxlabel("\n".join(lines), color=GUIDE)

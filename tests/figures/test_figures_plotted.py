@@ -84,7 +84,7 @@ def test_other_figures_of_one_panel(computed: Results, observed: Results) -> Non
         assert rb.plot(results, name, ax=axes) is axes
         assert axes.has_data()
         assert axes.get_legend() is not None
-    with pytest.raises(rb.StoreError, match="has 4 panels, and cannot be drawn into one"):
+    with pytest.raises(rb.StoreError, match="has 4 panels, and ax is 1: give ax as many"):
         rb.plot(observed, "pressure_pdf", ax=plt.figure().subplots())
 
 
@@ -92,8 +92,19 @@ def test_several_panels_are_a_list(computed: Results) -> None:
     both = rb.plot(computed, "fig3")
     assert isinstance(both, list)
     assert [axes.get_title(loc="left") for axes in both] == ["(a)", "(b)"]
+    figure, given = plt.subplots(1, 2)
+    into = rb.plot(computed, "fig3", ax=given)
+    assert isinstance(into, list)
+    assert into == list(given)
+    assert str([*map(lines_of, into)]) == str([*map(lines_of, both)])  # nan as nan
+    assert into[0].get_xlim() == into[1].get_xlim()
+    assert into[0].get_legend() is not None
+    assert not figure.legends
+    assert "rms height of the spectrum" in into[1].get_xlabel()
     with pytest.raises(rb.StoreError, match="has 2 panels"):
         rb.plot(computed, "fig3", ax=plt.figure().subplots())
+    with pytest.raises(rb.StoreError, match="has one panel, and ax is 2"):
+        rb.plot(computed, "area", ax=list(given))
     with pytest.raises(rb.StoreError, match="has 2 panels"):
         rb.plot(computed, "stiffness", ax=plt.figure().subplots())
 
