@@ -147,6 +147,17 @@ def progress_shown(*, quiet: bool, verbose: bool) -> Iterator[ProgressListener |
             yield report
 
 
+def first_kept(listener: ProgressListener, kept: list[Progress]) -> ProgressListener:
+    """Return a listener that keeps the first news as well: what was there at the start."""
+
+    def listen(news: Progress) -> None:
+        if not kept:
+            kept.append(news)
+        listener(news)
+
+    return listen
+
+
 def _line(news: Progress, pace: _Pace, columns: int) -> str:
     """Return how far a run is, in so many columns: 100 % is when every state is there."""
     percent = 100 * news.done // max(1, news.total)
