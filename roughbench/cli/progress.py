@@ -86,6 +86,17 @@ def progress_shown(*, quiet: bool, verbose: bool) -> Iterator[ProgressListener |
             yield report
 
 
+def first_kept(listener: ProgressListener, kept: list[Progress]) -> ProgressListener:
+    """Return a listener that keeps the first news as well: what was there at the start."""
+
+    def listen(news: Progress) -> None:
+        if not kept:
+            kept.append(news)
+        listener(news)
+
+    return listen
+
+
 @contextlib.contextmanager
 def _every(seconds: Callable[[], float], tell: Callable[[], None]) -> Iterator[None]:
     """Call ``tell`` at intervals, from a thread of its own: also while nothing is new."""

@@ -16,7 +16,7 @@ from roughbench.program import command as command_line
 from roughbench.text import on_one_line
 
 if TYPE_CHECKING:
-    from roughbench.runner import Account
+    from roughbench.runner import Account, Progress
     from roughbench.spec import Spec
 
 
@@ -158,7 +158,7 @@ def command(
     not converge are left out of the averages, counted in the file and reported here.
     Observables and fields that SPEC asks for are taken from the states as they are solved.
     """
-    from roughbench.cli.progress import progress_shown
+    from roughbench.cli.progress import duration, first_kept, progress_shown
     from roughbench.runner import Cluster, accounts, preview, run_to_file
     from roughbench.spec import load_spec
 
@@ -187,11 +187,12 @@ def command(
             click.echo(on_one_line(str(part)))
         click.echo(_total([part.tasks for part in parts], sum(part.seconds for part in parts)))
         return
+    begun: list[Progress] = []
     with progress_shown(quiet=quiet, verbose=verbose) as progress:
         run_to_file(
             loaded,
             target,
-            progress=progress,
+            progress=progress and first_kept(progress, begun),
             cluster=cluster,
             command=line or "",
             **options,
@@ -200,7 +201,8 @@ def command(
     for text in _unconverged(models):
         click.echo(text, err=True)
     if not quiet:
-        click.echo(_summary(models, target, time.monotonic() - start), err=True)
+        took = f"done in {duration(time.monotonic() - start)}"
+        click.echo(_summary(models, target, took + _found(begun)), err=True)
         for text in _without_fields(loaded):
             click.echo(text, err=True)
     if as_json:
@@ -303,7 +305,16 @@ def _without_fields(spec: Spec) -> list[str]:
     return [f"note: no observables, as without fields: {', '.join(names)}"] if names else []
 
 
-def _summary(models: list[Account], target: Path, elapsed: float) -> str:
+def _found(begun: list[Progress]) -> str:
+    """Return what of a run was there when it began."""
+    if not begun or not begun[0].done:
+        return ""
+    if begun[0].done == begun[0].total:
+        return ", nothing was computed, as all states are there (--force computes them again)"
+    return f", {begun[0].done} of {begun[0].total} states were there already"
+
+
+def _summary(models: list[Account], target: Path, done: str) -> str:
     from roughbench.cli.progress import duration
 
     lines = [
@@ -313,7 +324,7 @@ def _summary(models: list[Account], target: Path, elapsed: float) -> str:
     ]
     return "\n".join(
         [
-            f"done in {duration(elapsed)}; realizations × pressures:",
+            f"{done}; realizations × pressures:",
             *lines,
             f"show it: {command_line('show', target)}",
             f"draw it: {command_line('plot', target)}",

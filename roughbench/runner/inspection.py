@@ -18,6 +18,8 @@ from roughbench.runner.selection import select
 from roughbench.spec import Spec, load_spec, parse_spec
 from roughbench.store import whose
 
+_SPECS = (".yaml", ".yml")
+
 
 @dataclass(frozen=True, slots=True)
 class RunState:
@@ -84,27 +86,37 @@ def find(path: str | os.PathLike[str]) -> RunFolder:
     given = Path(path)
     if given.suffix == SUFFIX:
         results = given.with_suffix("")
-    elif given.suffix in {".yaml", ".yml"}:
+    elif given.suffix in _SPECS:
         results = Path(f"{load_spec(given).name}.h5")
     else:
         results = given
     folder = RunFolder(results)
     if not folder.path.is_dir():
-        if whose(given) is not None:
-            raise RoughbenchError(
-                f"{given} has results, but the run directory that they came from, "
-                f"{folder.path}, is not there; see them with: {command('show', given)}"
-            )
-        if given.is_file():
-            raise RoughbenchError(
-                f"{given} is no results file, run directory or spec; give the results file of "
-                "a run (-o)"
-            )
-        raise RoughbenchError(
-            f"{folder.path}: no such run directory; give the results file of a run (-o), or "
-            f"start one with: {program()} run SPEC.yaml"
-        )
+        raise RoughbenchError(_without_folder(given, folder))
     return folder
+
+
+def _without_folder(given: Path, folder: RunFolder) -> str:
+    """Return why there is no run directory, and what to do."""
+    if whose(folder.results) is not None:
+        return (
+            f"{folder.results} has results, but the run directory that they came from, "
+            f"{folder.path}, is not there; see them with: {command('show', folder.results)}"
+        )
+    if given.suffix in _SPECS and given.is_file():
+        return (
+            f"nothing of {given} has been computed here: there is no {folder.path}; give the "
+            f"results file of its run (-o), or start one with: {command('run', given)}"
+        )
+    if given.is_file():
+        return (
+            f"{given} is no results file, run directory or spec; give the results file of a "
+            "run (-o)"
+        )
+    return (
+        f"{folder.path}: no such run directory; give the results file of a run (-o), or "
+        f"start one with: {program()} run SPEC.yaml"
+    )
 
 
 def status(path: str | os.PathLike[str]) -> RunState:

@@ -54,6 +54,27 @@ def test_only_leaves_the_rest_and_exits_3(invoke: Invoke) -> None:
         "resume: roughbench run small.yaml --only main/persson",
     ]
     assert invoke("run", "small.yaml", "--only", "main/bem").exit_code == 1
+    assert ", 3 of 63 states were there already; rea" in invoke("run", "small.yaml").stderr
+
+
+@pytest.mark.usefixtures("folder")
+def test_status_of_a_spec_that_nobody_has_run(invoke: Invoke) -> None:
+    done = invoke("status", "small.yaml")
+    assert done.exit_code == 1
+    assert done.stderr == (
+        "error: nothing of small.yaml has been computed here: there is no small.h5.rbrun; give "
+        "the results file of its run (-o), or start one with: roughbench run small.yaml\n"
+    )
+
+
+def test_a_run_that_finds_all_says_that_nothing_was_computed(
+    results: Path, invoke: Invoke
+) -> None:
+    done = invoke("run", results.with_name("small.yaml"))
+    assert ", nothing was computed, as all states are there (--force" in done.stderr
+    forced = invoke("run", "small.yaml", "--force")
+    assert " were there" not in forced.stderr
+    assert "nothing was computed" not in forced.stderr
 
 
 def test_status_of_a_complete_run(results: Path, invoke: Invoke) -> None:
