@@ -20,6 +20,7 @@ from roughbench.verdict.experiments import FittedExperiment
 from roughbench.verdict.judging import CaseOutcome, Measurement, Range, Verdict, measurement
 from roughbench.verdict.measures import OTHER_PRESSURES, Reading, case_of, closed_note
 from roughbench.verdict.rules import Outcome, agreed, together
+from roughbench.verdict.trust import end_text
 
 _RULE = (
     "factor between the model and the exact solution, where that has A ∼ p (for the area) or "
@@ -106,11 +107,6 @@ def _text(found: Range, comparison: Comparison) -> str:
     if not math.isfinite(found.start.value):
         return f"nowhere within {found.percent} %"
     first = f"the first pressure{' compared' * comparison.at_separation}"
-    low = first if found.start.is_bound else f"p = {_number(found.start)}"
-    high = "the last" if found.end.is_bound else _number(found.end)
+    low = first if found.start.is_bound else f"p = {end_text(found.start)}"
+    high = "the last" if found.end.is_bound else end_text(found.end)
     return f"within {found.percent} % from {low} to {high}"
-
-
-def _number(found: Estimate) -> str:
-    error = "" if math.isnan(found.error) else f" ± {found.error:.1g}"
-    return f"({found.value:.2g}{error}) E*" if error else f"{found.value:.2g} E*"

@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from roughbench.fits import Estimate
 from roughbench.results import ModelResult, Results
 from roughbench.verdict import Outcome, Verdict, judge
+from roughbench.verdict.trust import end_text
 from tests.fits.lawful import P, make
 from tests.fits.test_comparisons import SCATTER, exact_curves, ratio, where_it_is, without
 
@@ -86,14 +88,24 @@ def test_a_verdict_says_where_a_known_deviation_ends() -> None:
             assert one.end.value == pytest.approx(where_it_is(1 + part, 0.15), rel=1e-9)
             assert 0 < one.start.error < 0.2 * one.start.value
         low, high = where_it_is(0.9, 0.15), where_it_is(1.1, 0.15)
-        assert measured.note.startswith(f"within 10 % from p = ({low:.2g} ± ")
-        assert f" to ({high:.2g} ± " in measured.note
+        first, second = (end_text(end) for end in (ten.start, ten.end))
+        assert measured.note.startswith(f"within 10 % from p = {first} to {second}; ")
+        for text, end, there in (first, ten.start, low), (second, ten.end, high):
+            assert end.value == pytest.approx(there, rel=1e-9)
+            assert " ± " in text
         assert measured.error > 0
     same = verdict.measurements[1]
     assert same.note == (
         "within 10 % from the first pressure to the last; "
         "within 50 % from the first pressure to the last"
     )
+
+
+def test_an_end_with_a_wide_error_has_its_interval() -> None:
+    """It read (1.4·10⁻⁵ ± 2·10⁻⁵) E*, and of no error (0.28 ± 0) E*."""
+    wide = Estimate(1.4e-5, 2.4e-5, 1.3e-5, 6.1e-5, 1.0)
+    assert end_text(wide) == "1.4·10⁻⁵ E* (68 %: 1.3·10⁻⁵ to 6.1·10⁻⁵)"
+    assert end_text(Estimate(0.28, 0.0, 0.28, 0.28, 1.0)) == "0.28 E*"
 
 
 def test_a_model_with_an_area_alone_is_judged_on_that() -> None:
