@@ -67,12 +67,16 @@ class Deviation:
         >>> exact = Estimate(-0.32, math.nan, math.nan, math.nan, 1.0)
         >>> Deviation(1e-3, exact).text, Deviation(1e-3, Estimate(12.9, 0.6, 12, 14, 1.0)).text
         ('−32 %', '13.9 ± 0.6 times')
+        >>> Deviation(1e-3, Estimate(-391.6, 12.3, -404, -379, 1.0)).text  # of a gap
+        'below zero'
         """
         value, error = self.estimate.value, self.estimate.error
         if math.isnan(value):
             return "–"
         if math.isinf(value):
             return "infinite"
+        if value < -1.0:
+            return "below zero"
         if value + 1.0 >= TIMES:
             return f"{_rounded(value + 1.0, error)} times"
         text = _rounded(100.0 * abs(value), 100.0 * error)
@@ -128,7 +132,7 @@ class Trust:
         within = f"within {self.found.percent} % of the {self.noun} {self.quantity.words}"
         if not math.isfinite(start.value):
             return f"nowhere {within}"
-        low, high = (_end_text(one, self.modulus) for one in (start, end))
+        low, high = (end_text(one, self.modulus) for one in (start, end))
         if start.is_bound and end.is_bound:
             return f"{within} from {low} to {high}, the lowest pressure to {self.highest}"
         low += ", the lowest pressure," * start.is_bound
@@ -282,10 +286,10 @@ def _pressure_text(pressure: float, modulus: float | None, error: float = math.n
     return f"({text}) {unit}" if needs_brackets else f"{text} {unit}"
 
 
-def _end_text(end: Estimate, modulus: float | None) -> str:
+def end_text(end: Estimate, modulus: float | None = None) -> str:
     """Return an end of a range with its error, or with its interval where that is wide."""
     text = _pressure_text(end.value, modulus)
-    if math.isnan(end.error) or end.is_bound:
+    if not end.error > 0.0 or end.is_bound:
         return text
     if end.error > LARGE_ERROR * end.value:
         low, high = (_pressure_text(p, modulus) for p in (end.low, end.high))

@@ -14,7 +14,8 @@ from roughbench.errors import StoreError
 from roughbench.fits.laws import fit_laws
 from roughbench.numbers import number, with_error
 from roughbench.report import make_report, read_sources
-from roughbench.report.sources import names_of, places
+from roughbench.report.sources import ReportSource, names_of, places
+from roughbench.report.tables import compared
 from roughbench.report.text import plotly_text
 from roughbench.results import ModelResult, Results
 from roughbench.verdict import Outcome, judge
@@ -234,6 +235,25 @@ def test_no_folder_of_the_writer_is_told(
     assert "annika" not in Page(page).text
     assert "from …/heights.npy and …/c.h5" in page
     assert "heights of h.npy" in page
+
+
+@pytest.mark.parametrize("surface", ["self-affine", "file"])
+def test_an_option_is_no_heights_file(small: Results, surface: str) -> None:
+    """Springs with heights: realized were pressed on heights of realized."""
+    experiments = {}
+    for name, models in small.items():
+        bem = models["bem"]
+        known = dict(bem.attributes) | {"surface": surface, "heights": "/home/annika/h.npy"}
+        springs = ModelResult(
+            "winkler", "winkler", "Winkler", known | {"heights": "realized"}, bem.variables
+        )
+        file = ModelResult("bem", "bem", bem.title, known, bem.variables)
+        experiments[name] = {"bem": file, "winkler": springs}
+    source = ReportSource("r.h5", Results(experiments, "", "", "small"))
+    (row,) = compared([source]).rows
+    words = "".join(span.text for cell in row if not isinstance(cell, str) for span in cell)
+    assert ("heights of h.npy" in words) == (surface == "file")
+    assert "realized" not in words
 
 
 HOSTILE = "</script><script>alert(1)</script><img src=x onerror='a'>\"&$title ${names}"

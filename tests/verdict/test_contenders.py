@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from roughbench.fits import Estimate
 from roughbench.results import ModelResult, Results
 from roughbench.verdict import Outcome, Verdict, judge
 from tests.fits.lawful import P, make
@@ -116,6 +117,13 @@ def test_a_verdict_says_where_a_known_deviation_ends() -> None:
         "within 10 % from the first pressure to the last; "
         "within 50 % from the first pressure to the last"
     )
+
+
+def test_an_end_with_a_wide_error_has_its_interval() -> None:
+    """It read (1.4·10⁻⁵ ± 2·10⁻⁵) E*, and of no error (0.28 ± 0) E*."""
+    wide = Estimate(1.4e-5, 2.4e-5, 1.3e-5, 6.1e-5, 1.0)
+    assert end_text(wide) == "1.4·10⁻⁵ E* (68 %: 1.3·10⁻⁵ to 6.1·10⁻⁵)"
+    assert end_text(Estimate(0.28, 0.0, 0.28, 0.28, 1.0)) == "0.28 E*"
 
 
 def test_a_model_with_an_area_alone_is_judged_on_that() -> None:
