@@ -162,7 +162,8 @@ def estimate(
     """Return the estimate from its values over the resamples, the first from all.
 
     A bootstrap knows nothing of the scatter of its own estimate of the scatter: both sides
-    of the interval are widened as Student's t and n/(n − 1) ask for.
+    of the interval are widened as Student's t and n/(n − 1) ask for. No interval of what is
+    positive reaches zero by that.
 
     A number that is an optimum, as the widest range on which a curve keeps to a law, is pulled
     to one side by scatter, and resamples scatter more than what they are drawn from: the
@@ -194,8 +195,10 @@ def estimate(
     if math.isfinite(value):
         if not low <= value <= high:
             low, high = _around(value, low, high, float(np.median(found)))
-        wider = _widening(count)
+        wider, quantile = _widening(count), low
         low, high = value - wider * (value - low), value + wider * (high - value)
+        if low <= 0.0 < quantile:  # what is positive in the draws is widened as its logarithm
+            low = value * (quantile / value) ** wider
     finite = math.isfinite(value) and math.isfinite(high)
     error = float(high - low) / 2.0 if finite else math.nan
     return Estimate(value, error, float(low), float(high), share, bound, count)

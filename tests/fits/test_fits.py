@@ -317,6 +317,16 @@ def test_models_on_the_same_surfaces_share_their_scatter() -> None:
     assert found["stiffness_agrees_to_10"].error < 1e-12
 
 
+def test_what_is_positive_keeps_a_positive_interval() -> None:
+    """Widened as it stands, from 1e-4 of the value, it would reach below zero."""
+    drawn = np.concatenate([[1.0], np.full(50, 1e-4), np.full(50, 1.1)])
+    found = estimate(drawn, count=3)
+    assert 0.0 < found.low < 1e-4
+    assert found.low == pytest.approx(1e-4 ** ((found.high - 1.0) / 0.1))
+    signed = estimate(drawn - 1.0, count=3)  # of either sign, it is widened as before
+    assert signed.low < -1.0
+
+
 def test_estimates_say_how_often_they_exist() -> None:
     rare = estimate(np.array([1.0, 2.0, math.nan, math.nan, math.nan]))
     assert (rare.value, rare.share) == (1.0, 0.25)
