@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from typing import Any
 
 from docutils import nodes
@@ -106,12 +107,13 @@ def add_anchors(_app: Sphinx, doctree: nodes.document) -> None:
     as ``roughbench.plot`` and some as ``roughbench.figures.available``.
     """
     for signature in doctree.findall(desc_signature):
-        name = str(signature.get("fullname", ""))
-        thing = getattr(roughbench, name.partition(".")[0], None)
-        for module in ("roughbench", getattr(thing, "__module__", "")):
-            anchor = f"{module}.{name}"
-            if thing is not None and module and anchor not in signature["ids"]:
-                signature["ids"].append(anchor)
+        module, name = str(signature.get("module", "")), str(signature.get("fullname", ""))
+        if module.partition(".")[0] != "roughbench":
+            continue
+        thing = getattr(importlib.import_module(module), name.partition(".")[0], None)
+        for one in dict.fromkeys(("roughbench", module, getattr(thing, "__module__", module))):
+            if f"{one}.{name}" not in signature["ids"]:
+                signature["ids"].append(f"{one}.{name}")
 
 
 def setup(app: Sphinx) -> None:
