@@ -41,6 +41,7 @@ def fault_of(path: Path) -> str:
         notebook,
         timeout=LONGEST,
         kernel_name="python3",
+        coalesce_streams=True,  # of a line of progress its end alone
         extra_arguments=["--log-level=40"],
         resources={"metadata": {"path": str(path.parent)}},
     )

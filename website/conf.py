@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import importlib
 from typing import Any
 
 from docutils import nodes
+from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.addnodes import desc_signature, pending_xref
 from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
+from sphinx.writers.html5 import HTML5Translator
 
 import roughbench
 
@@ -45,6 +48,7 @@ python_maximum_signature_line_length = 80
 # what is named as public has to be there.
 nitpick_ignore_regex = [(r"py:.*", r"(?!roughbench\.\w+$).*"), (r"py:mod", r".*")]
 
+html_math_renderer = "mathml"
 html_theme = "furo"
 html_title = f"roughbench {release}"
 html_static_path = ["static"]
@@ -83,6 +87,19 @@ def find_public_name(
     )
 
 
+def inline_formula(self: HTML5Translator, node: nodes.math) -> None:
+    """Write a formula in a line as MathML, which browsers know without a script."""
+    self.body.append(tex2mathml(node.astext()))
+    raise nodes.SkipNode
+
+
+def block_formula(self: HTML5Translator, node: nodes.math_block) -> None:
+    """Write a formula that stands alone."""
+    formula = tex2mathml(node.astext()).replace("<math ", '<math display="block" ', 1)
+    self.body.append(f"<div>{formula}</div>")
+    raise nodes.SkipNode
+
+
 def add_anchors(_app: Sphinx, doctree: nodes.document) -> None:
     """Give what is described an anchor for each name that viewcode may lead back to.
 
@@ -90,16 +107,18 @@ def add_anchors(_app: Sphinx, doctree: nodes.document) -> None:
     as ``roughbench.plot`` and some as ``roughbench.figures.available``.
     """
     for signature in doctree.findall(desc_signature):
-        name = str(signature.get("fullname", ""))
-        thing = getattr(roughbench, name.partition(".")[0], None)
-        for module in ("roughbench", getattr(thing, "__module__", "")):
-            anchor = f"{module}.{name}"
-            if thing is not None and module and anchor not in signature["ids"]:
-                signature["ids"].append(anchor)
+        module, name = str(signature.get("module", "")), str(signature.get("fullname", ""))
+        if module.partition(".")[0] != "roughbench":
+            continue
+        thing = getattr(importlib.import_module(module), name.partition(".")[0], None)
+        for one in dict.fromkeys(("roughbench", module, getattr(thing, "__module__", module))):
+            if f"{one}.{name}" not in signature["ids"]:
+                signature["ids"].append(f"{one}.{name}")
 
 
 def setup(app: Sphinx) -> None:
-    """Connect the three."""
+    """Connect them."""
+    app.add_html_math_renderer("mathml", (inline_formula, None), (block_formula, None))
     app.connect("autodoc-process-docstring", escape_bars)
     app.connect("missing-reference", find_public_name)
     app.connect("doctree-read", add_anchors)

@@ -207,7 +207,7 @@ def plot(
         if not names_file(name) and not shows_points(results, name):
             raise StoreError(f"the figure {name!r} shows no column of {Path(overlay).name}")
     name, recipe = _allowed(results, name)
-    canvas = Canvas(None if ax is None else tuple(np.asarray(ax, dtype=object).ravel()))
+    canvas = Canvas(None if ax is None else _panels_in(ax))
     if canvas.axes is not None:
         if style:
             raise StoreError("ax has a style already: give either ax or style")
@@ -278,6 +278,17 @@ def render(
         figure = _asked(recipe.draw, name, results)
         mark_partial(figure, results.partial)
         return save(figure, name, Path(folder), source, formats)
+
+
+def _panels_in(ax: object) -> tuple[Axes, ...]:
+    """Return the panels that a caller has given, one or an array of them."""
+    from matplotlib.axes import Axes
+
+    given = tuple(np.asarray(ax, dtype=object).ravel())
+    for one in given:
+        if not isinstance(one, Axes):
+            raise StoreError(f"ax is no panel of Matplotlib, nor an array of them: got {one!r}")
+    return given
 
 
 def _allowed(results: Results, name: str) -> tuple[str, Recipe]:

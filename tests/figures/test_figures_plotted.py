@@ -105,6 +105,8 @@ def test_several_panels_are_a_list(computed: Results) -> None:
         rb.plot(computed, "fig3", ax=plt.figure().subplots())
     with pytest.raises(rb.StoreError, match="has one panel, and ax is 2"):
         rb.plot(computed, "area", ax=list(given))
+    with pytest.raises(rb.StoreError, match="ax is no panel of Matplotlib"):
+        rb.plot(computed, "area", ax=3)  # type: ignore[arg-type]
     with pytest.raises(rb.StoreError, match="has 2 panels"):
         rb.plot(computed, "stiffness", ax=plt.figure().subplots())
 
