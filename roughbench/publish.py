@@ -97,8 +97,20 @@ def make_folder(folder: Path) -> None:
         ) from error
 
 
-def commit(data: bytes, path: str | os.PathLike[str]) -> Path:
+def commit(
+    data: bytes,
+    path: str | os.PathLike[str],
+    *,
+    way_out: str = "choose another place with -o",
+) -> Path:
     """Publish ``data`` as the file ``path``, see :func:`publish`.
+
+    Parameters
+    ----------
+    data : bytes
+    path : path
+    way_out : str
+        What a caller can do where the system refuses.
 
     Raises
     ------
@@ -107,20 +119,20 @@ def commit(data: bytes, path: str | os.PathLike[str]) -> Path:
         under ``path`` before is still there.
     """
     target = Path(path)
-    with refusals_named(target):
+    with refusals_named(target, way_out):
         publish(lambda file: file.write(data), target)
     return target
 
 
 @contextlib.contextmanager
-def refusals_named(target: Path) -> Iterator[None]:
+def refusals_named(
+    target: Path, way_out: str = "choose another place with -o"
+) -> Iterator[None]:
     """Turn a refusal of the system into a :class:`StoreError` that names the file."""
     try:
         yield
     except OSError as error:
-        raise StoreError(
-            f"cannot write {target}: {explained(error, 'choose another place with -o')}"
-        ) from error
+        raise StoreError(f"cannot write {target}: {explained(error, way_out)}") from error
 
 
 def remove_leftovers(path: Path) -> None:

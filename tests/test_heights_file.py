@@ -197,6 +197,15 @@ def test_missing_files_say_where_paths_start(tmp_path: Path, name: str) -> None:
     with pytest.raises(SurfaceError, match="no such file; relative paths start from") as caught:
         load_heights(name, tmp_path)
     assert str(tmp_path) in str(caught.value)
+    assert "did you mean" not in str(caught.value)
+
+
+def test_the_file_that_was_probably_meant_is_named(tmp_path: Path) -> None:
+    save(tmp_path, GOOD).rename(tmp_path / "plate.npy")
+    with pytest.raises(
+        SurfaceError, match=r"no such file \(did you mean 'plate\.npy'\?\); rel"
+    ):
+        load_heights("plaet.npy", tmp_path)
 
 
 @pytest.mark.parametrize("name", ["heights.txt", "heights.h5", "heights", "h.h5:h"])

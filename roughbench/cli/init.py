@@ -90,5 +90,5 @@ def command(name: str | None, template: str) -> None:
         for word, value in words.items():
             text = text.replace(f"@{word}@", value)
         path.parent.mkdir(exist_ok=True)
-        commit(text.encode(), path)
+        commit(text.encode(), path, way_out="begin in another folder")
         click.echo(path)

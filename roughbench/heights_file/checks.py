@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from roughbench import memory
 from roughbench.errors import SurfaceError, explained
-
-if TYPE_CHECKING:
-    pass
+from roughbench.text import on_one_line, suggestion
 
 _FEWEST = 4
 """Points per side: fewer carry no wave but the one that alternates from point to point."""
@@ -72,6 +70,19 @@ def check_there(path: Path, name: str) -> None:
     except OSError as error:
         raise SurfaceError(f"{name}: cannot be read: {explained(error)}") from error
     if not there:
-        raise SurfaceError(f"{name}: no such file; relative paths start from {path.parent}")
+        raise SurfaceError(
+            f"{name}: no such file{_probably(path)}; relative paths start from "
+            f"{path.parent.absolute()}"
+        )
     if not os.access(path, os.R_OK):
         raise SurfaceError(f"{name}: no permission to read it; check the permissions")
+
+
+def _probably(path: Path) -> str:
+    """Return which file beside it was probably meant, if there is one."""
+    try:
+        beside = {entry.stem: entry.name for entry in path.parent.iterdir()}
+    except OSError:
+        return ""
+    near = beside.get(suggestion(path.stem, beside) or "", path.name)
+    return f" (did you mean {on_one_line(near)!r}?)" if near != path.name else ""

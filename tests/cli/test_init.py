@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import runpy
 from pathlib import Path
 
@@ -27,6 +28,21 @@ def test_a_spec_to_start_from_is_valid(folder: Path, invoke: Invoke) -> None:
     assert invoke("init", "other.yml").stdout == "other.yaml\n"
     (folder / "spec.yaml").symlink_to("nowhere")
     assert invoke("init").exit_code == 1
+
+
+@pytest.mark.usefixtures("folder")
+def test_where_nothing_can_be_written_the_remedy_is_one(
+    invoke: Invoke, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> None:
+        raise OSError(errno.EROFS, "Read-only file system")
+
+    monkeypatch.setattr("roughbench.publish.publish", refuse)
+    done = invoke("init", "rough")
+    assert (done.exit_code, done.stderr) == (
+        1,
+        "error: cannot write rough.yaml: Read-only file system; begin in another folder\n",
+    )
 
 
 @pytest.mark.parametrize(
