@@ -12,6 +12,7 @@ import pytest
 from roughbench.fits import Estimate
 from roughbench.results import ModelResult, Results
 from roughbench.verdict import Outcome, Verdict, judge
+from roughbench.verdict.trust import end_text
 from tests.fits.lawful import P, make
 from tests.fits.test_comparisons import SCATTER, exact_curves, ratio, where_it_is, without
 
