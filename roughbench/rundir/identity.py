@@ -40,6 +40,8 @@ _numerics = re.compile(
 _public = {f"roughbench.{name}": module for name, module in LAZY.items()}
 _SAMPLES_FILES = {"roughbench/planning/samples.py", "roughbench/planning/measured.py"}
 _SAMPLES = ("surface", "spectrum", "heights_file", "planning.samples", "planning.measured")
+_ROWS = ("engines.compute", "engines.blocks")
+"""What makes rows of results of curves and states."""
 
 
 def identity(cell: Cell, threads: int) -> Identity:
@@ -57,9 +59,10 @@ def identity(cell: Cell, threads: int) -> Identity:
         Heights from a file count by their content. ``fft`` is the library of the Fourier
         transforms, for models that use those of :mod:`roughbench.transform`. ``code`` is a
         digest of what the source files compute that make the numbers, the model's own and
-        those of the surfaces: after a change of one of them nothing computed before is taken
-        for its result. Observables count where they are asked for, with their own code; fields
-        that are kept do not: a state without the field that it should have counts as missing.
+        those of the surfaces and of the rows that are kept: after a change of one of them
+        nothing computed before is taken for its result. Observables count where they are asked
+        for, with their own code; fields that are kept do not: a state without the field that
+        it should have counts as missing.
     """
     model, surface = cell.model, cell.surface
     options = model.model_dump(
@@ -146,7 +149,7 @@ def transforms(model: type[Model]) -> bool:
 @functools.cache
 def _code_of(model: type[Model]) -> dict[str, str]:
     """Return the digests of what makes a model's numbers, by path."""
-    return _digests([_own_files(model), *(_unit(name) for name in _SAMPLES)])
+    return _digests([_own_files(model), *(_unit(name) for name in (*_SAMPLES, *_ROWS))])
 
 
 def _digests(waiting: list[dict[str, str]]) -> dict[str, str]:

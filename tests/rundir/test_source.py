@@ -131,6 +131,27 @@ def test_words_in_the_package_keep_the_identity_and_numbers_change_it(
     assert digest() == before
 
 
+def test_what_makes_rows_of_curves_is_part_of_the_identity(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A change of what is kept of a state left finished runs as they were."""
+    real = Path.read_text
+    changed: list[str] = []
+
+    def read(path: Path, *arguments: str, **options: str) -> str:
+        return real(path, *arguments, **options) + "\nMORE = 1\n" * (path.name in changed)
+
+    monkeypatch.setattr(Path, "read_text", read)
+    found = set()
+    for name in ("", "blocks.py", "compute.py"):
+        changed[:] = [name]
+        identity._code_of.cache_clear()
+        found.add(identity.code_digest(Foundation))
+    assert len(found) == 3
+    monkeypatch.undo()
+    identity._code_of.cache_clear()
+
+
 def test_the_loops_of_the_solver_are_part_of_the_identity(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
