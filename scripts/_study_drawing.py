@@ -39,7 +39,7 @@ QUANTITIES = {
 CASES = {
     "8-1024": ("8", COLOURS[0], "s"),
     "32-coarse": ("32", COLOURS[2], "o"),
-    "128-few": ("128", COLOURS[1], "^"),
+    "128": ("128", COLOURS[1], "^"),
 }
 """Of the figure of local slopes: case → q₁/q_r, colour, marker."""
 
@@ -74,7 +74,7 @@ def slopes(runs: Runs) -> Figure:
     left.plot(at, slope, color="0.3", ls=":", lw=1.0)
     at = np.linspace(1.6, 4.0, 50)
     left.plot(at, 1.0 / at, color=GUIDE, lw=0.6)
-    left.text(3.75, 1 / 3.75 + 0.012, r"$h/\bar u$", fontsize=SMALL, color=GUIDE)
+    left.text(1.68, 0.61, r"$h/\bar u$", fontsize=SMALL, color=GUIDE)
     left.set(
         xlabel=r"$\bar u/h_\mathrm{rms}$",
         ylabel=r"$p/(K h_\mathrm{rms})$",
@@ -319,7 +319,7 @@ def kappas(runs: Runs, numbers: Numbers) -> Figure:
 
 Draw = Callable[[Runs, Numbers], Figure]
 FIGURES: Mapping[str, tuple[tuple[str, ...], Draw]] = {
-    "slope": (("cells", "slope-32-coarse"), lambda runs, _: slopes(runs)),
+    "slope": (("cells", "slope-32-coarse", "slope-128"), lambda runs, _: slopes(runs)),
     "ladder": (("ladder",), ladder),
     "contenders": (("contenders-256",), lambda runs, _: contenders(runs)),
     "size": (("cells",), lambda runs, _: sizes(runs)),
