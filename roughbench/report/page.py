@@ -23,7 +23,7 @@ from roughbench.report.surfaces import HEIGHT_COLOURS, surface_sections
 from roughbench.report.tables import compared, fit_tables, model_table
 from roughbench.report.text import from_notation, from_remedy, plain, without_folders
 from roughbench.report.trust import trust_tables
-from roughbench.report.verdicts import by_outcome, measured_value, numbered
+from roughbench.report.verdicts import grouped, measured_value, numbered
 from roughbench.report.warnings import ABOUT, Remark, remarks
 from roughbench.store import FORMAT_VERSION
 from roughbench.verdict import FittedExperiment, Verdict, trust_of
@@ -69,9 +69,7 @@ def render(
             format_version=FORMAT_VERSION,
             resamples=resamples,
             compared=compared(sources),
-            n_claims=sum(one.group in ("", "paper") for one in verdicts),
-            n_ours=sum(one.group in ("explanation", "beyond") for one in verdicts),
-            verdicts=by_outcome(verdicts),
+            groups=grouped(verdicts),
             contenders=numbered(contenders, len(verdicts) + 1),
             trusts=list(trust_tables(sources, trust_of(experiments))),
             places=places(sources),

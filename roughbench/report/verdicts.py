@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from roughbench.numbers import with_interval
 from roughbench.verdict import Measurement, Outcome, Verdict
+from roughbench.verdict.judging import GROUPS
 
 
 def measured_value(found: Measurement) -> str:
@@ -44,7 +45,38 @@ def numbered(verdicts: Sequence[Verdict], first: int = 1) -> list[NumberedVerdic
     return [NumberedVerdict(number, verdict) for number, verdict in enumerate(verdicts, first)]
 
 
-def by_outcome(verdicts: Sequence[Verdict]) -> dict[Outcome, list[NumberedVerdict]]:
-    """Return the verdicts of each outcome, for all outcomes."""
+@dataclass(frozen=True, slots=True)
+class VerdictGroup:
+    """The verdicts on the claims of one group.
+
+    Attributes
+    ----------
+    name, heading : str
+        Of :data:`roughbench.verdict.judging.GROUPS`.
+    by_outcome : dict of Outcome to list of NumberedVerdict
+        For all outcomes.
+    """
+
+    name: str
+    heading: str
+    by_outcome: dict[Outcome, list[NumberedVerdict]]
+
+    @property
+    def count(self) -> int:
+        """How many claims are in it."""
+        return sum(map(len, self.by_outcome.values()))
+
+
+def grouped(verdicts: Sequence[Verdict]) -> list[VerdictGroup]:
+    """Return the verdicts on the paper's claims, and those of the other groups that exist."""
     found = numbered(verdicts)
-    return {outcome: [v for v in found if v.verdict.outcome is outcome] for outcome in Outcome}
+    groups = []
+    for name, heading in GROUPS.items():
+        own = [one for one in found if (one.verdict.group or "paper") == name]
+        by_outcome = {
+            outcome: [one for one in own if one.verdict.outcome is outcome]
+            for outcome in Outcome
+        }
+        if own or name == "paper":
+            groups.append(VerdictGroup(name, heading, by_outcome))
+    return groups

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from roughbench.report.tables import compared
 from roughbench.report.text import plotly_text
 from roughbench.results import ModelResult, Results
 from roughbench.verdict import Outcome, judge
+from roughbench.verdict.judging import GROUPS
 from tests.report.conftest import (
     EXPERIMENTS,
     LABELS,
@@ -51,10 +53,11 @@ def test_every_verdict_of_the_results_has_a_row(page: Page, small: Results) -> N
     contenders = [v for v in verdicts if v.contender]
     claims = [v for v in verdicts if not v.contender]
     untested = [v for v in claims if v.outcome is Outcome.NOT_TESTED]
-    tested = [v for v in claims if v not in untested]
-    assert tested
-    assert untested
-    assert rows == [f"claim-{verdict.key}" for verdict in (*contenders, *tested, *untested)]
+    assert 0 < len(untested) < len(claims)
+    ordered = sorted(
+        claims, key=lambda v: (list(GROUPS).index(v.group), v.outcome is Outcome.NOT_TESTED)
+    )
+    assert rows == [f"claim-{verdict.key}" for verdict in (*contenders, *ordered)]
     links = {given.get("href") for tag, given in page.elements if tag == "a"}
     assert {f"#claim-{verdict.key}" for verdict in claims} <= links
 
@@ -69,6 +72,26 @@ def test_a_verdict_is_told_in_full() -> None:
         assert re.search(rf"[✓✗±?–] {verdict.outcome}", text)  # a word and a symbol
     assert text.count("2.050 ± 0.020") == len(outcomes) - 1  # all but the one not tested
     assert text.count("a note") == len(outcomes) - 1
+
+
+def test_claims_of_each_group_stand_and_count_apart() -> None:
+    """One of the paper's holds; ours fail, which is no count against the paper."""
+    groups = ("paper", "explanation", "beyond")
+    verdicts = [
+        replace(a_verdict(k, outcome=outcome), group=group)
+        for k, (group, outcome) in enumerate(
+            zip(groups, (Outcome.HOLDS, Outcome.FAILS, Outcome.FAILS), strict=True), 1
+        )
+    ]
+    text = page_of(Results({}, "{}", ""), verdicts=verdicts)
+    words = " ".join(Page(text).text.split())
+    assert "1 claims on such contacts. On these results 1 hold, 0 fail" in words
+    assert "2 more are tests of ours" in words
+    places = [words.rindex(GROUPS[group]) for group in groups]
+    assert places == sorted(places)
+    _, *parts = text.split('<h3 id="h-')
+    for part, verdict in zip(parts, verdicts, strict=True):
+        assert f'id="claim-{verdict.key}"' in part
 
 
 @pytest.mark.parametrize("outcome", Outcome)

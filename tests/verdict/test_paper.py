@@ -21,7 +21,7 @@ SUBJECT = re.compile(
 )
 _SPELLED = re.compile(
     r"[Ee]q(?:uation|n)?s?\b\.?[\s~]*\(?\d|[Ff]ormul(?:a|ae|as)\b[\s~]*\(?\d"
-    r"|[Ss]ec(?:tion)?s?\b\.?[\s~]*\d|[Ff]ig(?:ure)?s?\b\.?[\s~]*\d"
+    r"|[Ss]ec(?:tion)?s?\b\.?[\s~]*\d|[Ff]ig(?:ure)?s?\b\.?[\s~]*\d(?!\d)"
     r"|[Pp]aper['’]s (?:discussion|conclusion|summary)"
     r"|(?:[Dd]iscussion|[Cc]onclusions?|[Ss]ummary) of the paper|§\s*\d[^.]*paper"
 )
