@@ -13,6 +13,9 @@ MINIMUM := .venv-minimum
 # finished takes tests from the others. Half as many workers again as cores: tests wait for
 # processes, locks and clocks.
 PARALLEL := -n $(shell expr $(JOBS) + $(JOBS) / 2) --dist worksteal
+# With the bytecode of the tests kept, whatever the environment says: to make it takes longer than
+# to import them, in each worker.
+PYTEST := PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest $(PARALLEL)
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
@@ -127,10 +130,10 @@ study-theory: ## the theory's own K ∼ p at the paper's cut-off; seconds
 ## -- checking --------------------------------------------------------------------------
 
 test: setup-dev ## unit tests and doctests, without those marked slow
-	$(BIN)/python -m pytest $(PARALLEL) -m "not slow"
+	$(PYTEST) -m "not slow"
 
 test-all: setup-dev ## all tests
-	$(BIN)/python -m pytest $(PARALLEL)
+	$(PYTEST)
 
 test-minimum: $(MINIMUM)/ready ## tests with the oldest versions of the dependencies (Python 3.11)
 	$(MINIMUM)/bin/python -m pytest $(PARALLEL) -m "not slow" -o filterwarnings=default tests/cli tests/engines \

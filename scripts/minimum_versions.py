@@ -2,13 +2,14 @@
 
     python scripts/minimum_versions.py [EXTRA ...] > constraints.txt
 
-Each ``name>=version`` becomes ``name==version``; ``make test-minimum`` runs the tests with
-just these.
+Each ``name>=version`` becomes ``name==version``, of two for one name the newer; ``make
+test-minimum`` runs the tests with just these.
 """
 
 import re
 import sys
 import tomllib
+from collections.abc import Iterable
 from pathlib import Path
 
 PROJECT = Path(__file__).resolve().parents[1] / "pyproject.toml"
@@ -28,13 +29,27 @@ def minimum(requirement: str) -> str:
     return f"{found[1]}=={found[2]}{found[3] or ''}"
 
 
+def newest(pinned: Iterable[str]) -> Iterable[str]:
+    """Return the last of several versions of a package; an extra may need a newer one."""
+    found: dict[str, str] = {}
+    for line in pinned:
+        name = line.partition("==")[0]
+        before = found.get(name, line)
+        found[name] = max(before, line, key=lambda one: _numbers(one.partition("==")[2]))
+    return found.values()
+
+
+def _numbers(version: str) -> list[int]:
+    return [int(part) for part in version.partition(";")[0].split(".")]
+
+
 def main(extras: list[str]) -> None:
     """Print one constraint per line."""
     project = tomllib.loads(PROJECT.read_text(encoding="utf-8"))["project"]
     requirements = list(project["dependencies"])
     for extra in extras:
         requirements += project["optional-dependencies"][extra]
-    print("\n".join(sorted({minimum(requirement) for requirement in requirements})))
+    print("\n".join(sorted(newest(map(minimum, requirements)))))
 
 
 if __name__ == "__main__":

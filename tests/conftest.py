@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import os
 import signal
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -78,6 +80,20 @@ def compiled_by_one(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Dispatcher, "compile", one_by_one)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def formulas_parsed_once() -> Iterator[None]:
+    """Keep all typeset formulas; Matplotlib keeps fifty, fewer than two figures have."""
+    if "matplotlib" not in sys.modules:  # by the tests that are to run
+        yield
+        return
+    from matplotlib.mathtext import MathTextParser
+
+    parse = MathTextParser._parse_cached  # type: ignore[attr-defined]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(MathTextParser, "_parse_cached", functools.cache(parse.__wrapped__))
         yield
 
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from matplotlib.mathtext import MathTextParser
 from numpy.typing import NDArray
 
 import roughbench as rb
@@ -39,16 +37,6 @@ TITLES = {
 PRESSURE = np.array([1e-4, 1e-3, 1e-2, 1e-1])
 PRESSED = [1e-5, 9.82982e-05, 0.000210569, 0.000451068, 0.00206985, 0.2]
 """Pressures of ``computed`` whose fields are kept."""
-
-
-@pytest.fixture(scope="session", autouse=True)
-def formulas_parsed_once() -> Iterator[None]:
-    """Keep all typeset formulas; Matplotlib keeps fifty, fewer than two figures have."""
-    parse = MathTextParser._parse_cached  # type: ignore[attr-defined]
-    with pytest.MonkeyPatch.context() as patch:
-        kept = functools.cache(parse.__wrapped__)
-        patch.setattr(MathTextParser, "_parse_cached", kept)
-        yield
 
 
 @pytest.fixture
