@@ -6,6 +6,7 @@ import math
 import textwrap
 from collections.abc import Iterator, Mapping
 
+from roughbench.models.registry import has_option
 from roughbench.notation import plain
 from roughbench.observables import OBSERVABLES
 from roughbench.observables.described import PREFIX, described
@@ -53,9 +54,10 @@ def as_text(results: Results, source: str) -> str:
     ]
     prefixes = prefixes_of(results)
     for experiment, models in results.items():
-        for number, result in enumerate(models.values()):
-            if number == 0:
-                blocks.append("\n".join([f"== {experiment} ==", *_surface_lines(result)]))
+        # Of models with an option "heights" the file is not known.
+        first = min(models.values(), key=lambda one: has_option(one.kind, "heights"))
+        blocks.append("\n".join([f"== {experiment} ==", *_surface_lines(first)]))
+        for result in models.values():
             blocks.append("\n".join(_model_lines(result, prefixes)))
     return "\n\n".join(blocks)
 
@@ -78,6 +80,8 @@ def prefixes_of(results: Results) -> dict[str, tuple[float, str]]:
 
 def _surface_lines(result: ModelResult) -> Iterator[str]:
     given = dict(result.attributes)
+    if has_option(result.kind, "heights"):
+        given.pop("heights", None)
     height = f"{given['rms_height']:.6g}"
     if result.has_units:
         height = in_words(float(given["rms_height"]), "m", 6)

@@ -169,6 +169,18 @@ def presses_lines(kind: str, attributes: Mapping[str, object]) -> bool:
     return model is not None and inspect.getattr_static(model, "needs", "") == "line"
 
 
+def has_option(kind: str, name: str) -> bool:
+    """Whether models of a kind have an option of this name.
+
+    Examples
+    --------
+    >>> has_option("winkler", "heights"), has_option("bem", "heights")
+    (True, False)
+    """
+    model = declared(kind)
+    return model is not None and name in model.model_fields
+
+
 def is_modified(kind: str, attributes: Mapping[str, object]) -> bool:
     """Whether results are of a model with options that make another one of its kind.
 

@@ -10,7 +10,7 @@ from pathlib import PurePosixPath
 from roughbench.figures.axes import axes_of
 from roughbench.fits import Estimate
 from roughbench.fits.tables import Table, departure_tables, law_tables
-from roughbench.models.registry import declared
+from roughbench.models.registry import has_option
 from roughbench.numbers import is_lopsided, measured, number, series, with_interval
 from roughbench.report.sources import ReportSource
 from roughbench.report.text import RichText, Span, from_heading, joined, without_folders
@@ -100,15 +100,13 @@ def _surface(source: ReportSource) -> RichText:
                 text = f"{series([value * factor for value in values])} {unit}"
             parts.append([*from_heading(symbol), Span(f"\xa0=\xa0{text}")])
     # An option of that name is no file.
-    files = [one for _, one in source.models() if one.is_measured and not _is_option(one)]
-    paths = [str(one.attributes["heights"]) for one in files]
+    paths = [
+        str(one.attributes["heights"])
+        for _, one in source.models()
+        if one.is_measured and not has_option(one.kind, "heights")
+    ]
     names = {PurePosixPath(path.replace("\\", "/")).name for path in paths}
     return joined([*parts, *(f"heights of {name}" for name in sorted(names))])
-
-
-def _is_option(result: ModelResult, name: str = "heights") -> bool:
-    known = declared(result.kind)
-    return known is not None and name in known.model_fields
 
 
 def _experiments(source: ReportSource) -> TableCell:

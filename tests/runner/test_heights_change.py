@@ -10,6 +10,7 @@ import pytest
 
 import roughbench as rb
 from roughbench import runner
+from roughbench.cli.tables import as_text
 from roughbench.engines.compute import compute
 from roughbench.heights_file import load_heights
 from roughbench.planning import measured
@@ -140,3 +141,15 @@ def test_files_that_cannot_be_read_are_told_together(heights: list[Path]) -> Non
         " .npy fil",
     ]
     assert not (folder / "r.h5.rbrun").exists()
+
+
+def test_what_is_shown_names_the_file_and_not_an_option(heights: list[Path]) -> None:
+    """Springs have an option of that name: it read heights realized."""
+    spec = heights[0].parent / "spec.yaml"
+    both = as_text(
+        rb.run(spec, overrides=['models=[{"kind":"winkler"},{"kind":"persson"}]']), "r"
+    )
+    assert "surface file, heights heights.npy, " in both
+    alone = as_text(rb.run(spec, overrides=['models=[{"kind":"winkler"}]']), "r")
+    assert "surface file, length 3, " in alone
+    assert "realized" not in both.splitlines()[3] + alone
