@@ -96,7 +96,7 @@ def inline_formula(self: HTML5Translator, node: nodes.math) -> None:
 def block_formula(self: HTML5Translator, node: nodes.math_block) -> None:
     """Write a formula that stands alone."""
     formula = tex2mathml(node.astext()).replace("<math ", '<math display="block" ', 1)
-    self.body.append(f"<div>{formula}</div>")
+    self.body.append(f'<div class="formula">{formula}</div>')
     raise nodes.SkipNode
 
 
