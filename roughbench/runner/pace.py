@@ -81,7 +81,8 @@ def line_of(news: Progress, pace: Pace, columns: int) -> str:
 
 def counts_of(news: Progress, pace: Pace, columns: int) -> str:
     """Return how far a run is without its percentage, in so many columns."""
-    text = f"{news.done}/{news.total} states{pace.left()}: {news.text}"
+    left = pace.left() if news.done < news.total else ""
+    text = f"{news.done}/{news.total} states{left}: {news.text}"
     return text if len(text) <= columns else text[: max(0, columns - 1)] + "…"
 
 

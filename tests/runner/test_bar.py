@@ -12,6 +12,7 @@ import pytest
 import roughbench as rb
 from roughbench.runner import bar
 from roughbench.runner.bar import reported
+from roughbench.runner.pace import Pace, counts_of
 from roughbench.runner.progress import Progress
 
 
@@ -79,3 +80,9 @@ def test_the_line_ends_where_a_run_fails(capsys: pytest.CaptureFixture[str]) -> 
     with pytest.raises(ValueError, match="bad"):
         fail()
     assert "25%|" in capsys.readouterr().err
+
+
+def test_no_time_is_left_at_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Pace, "left", lambda _: ", 1 s left")
+    assert counts_of(Progress(3, 4, 0.9, "a"), Pace(), 60) == "3/4 states, 1 s left: a"
+    assert counts_of(Progress(4, 4, 1.0, "a"), Pace(), 60) == "4/4 states: a"
