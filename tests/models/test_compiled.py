@@ -110,7 +110,10 @@ def test_files_of_another_type_are_not_used(folder: Path) -> None:
     assert (second(0.5), hits(second)) == (2.0, 0)
 
 
-def test_files_of_another_source_are_not_used(folder: Path) -> None:
+def test_files_of_another_source_are_not_used(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)  # Python itself goes by the times
     source = folder / "source.py"
 
     def computed(text: str) -> tuple[int, int]:

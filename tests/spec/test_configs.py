@@ -50,6 +50,7 @@ def test_they_are_all_there() -> None:
         "study/slope-32.yaml",
         "study/slope-512.yaml",
         "study/slope-8.yaml",
+        "study/theory.yaml",
         "units.yaml",
     ]
 
