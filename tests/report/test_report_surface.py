@@ -10,6 +10,7 @@ import re
 import numpy as np
 import pytest
 from matplotlib.image import imread
+from scipy.integrate import trapezoid
 
 from roughbench.report.sources import ReportSource
 from roughbench.report.surface_tables import fit_in_words, synthetic_table
@@ -92,7 +93,7 @@ def test_the_charts_have_units_and_hold_the_numbers(scanned: Results) -> None:
     )
     assert law["x"][0] == pytest.approx(FIT["q0"] * 1e-6, rel=1e-3)
     assert heights["x"] == {"title": "height above the mean (nm)", "type": "linear"}
-    area = [float(np.trapezoid(curve["y"], curve["x"])) for curve in heights["curves"]]
+    area = [float(trapezoid(curve["y"], curve["x"])) for curve in heights["curves"]]
     assert area == pytest.approx([1.0, 1.0], abs=0.01)
 
 
