@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
+from pathlib import Path
 
 _UNSAFE = re.compile(
     "[\x00-\x1f\x7f-\x9f]"  # control characters, line breaks among them
@@ -80,3 +81,18 @@ def suggestion(word: str, known: Iterable[str]) -> str | None:
         return by_case[word.lower()]
     close = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
     return close[0] if close else None
+
+
+def file_meant(path: Path, first: Collection[str] = ()) -> str:
+    """Return the name of the file beside one that is missing which was probably meant.
+
+    Names are compared without their endings; where several files have the same name, one whose
+    ending is in ``first`` wins. Empty if there is none.
+    """
+    try:
+        names = [entry.name for entry in path.parent.iterdir() if entry.name != path.name]
+    except OSError:
+        return ""
+    names.sort(key=lambda name: (Path(name).suffix in first, name))
+    beside = {Path(name).stem: name for name in names}
+    return beside.get(suggestion(path.stem, beside) or "", "")

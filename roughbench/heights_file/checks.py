@@ -11,7 +11,7 @@ import numpy as np
 
 from roughbench import memory
 from roughbench.errors import SurfaceError, explained
-from roughbench.text import on_one_line, suggestion
+from roughbench.text import file_meant, on_one_line
 
 _FEWEST = 4
 """Points per side: fewer carry no wave but the one that alternates from point to point."""
@@ -80,9 +80,5 @@ def check_there(path: Path, name: str) -> None:
 
 def _probably(path: Path) -> str:
     """Return which file beside it was probably meant, if there is one."""
-    try:
-        beside = {entry.stem: entry.name for entry in path.parent.iterdir()}
-    except OSError:
-        return ""
-    near = beside.get(suggestion(path.stem, beside) or "", path.name)
-    return f" (did you mean {on_one_line(near)!r}?)" if near != path.name else ""
+    near = file_meant(path)
+    return f" (did you mean {on_one_line(near)!r}?)" if near else ""

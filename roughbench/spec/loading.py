@@ -19,7 +19,7 @@ from roughbench.spec.tree import (
     plain,
 )
 from roughbench.spec.validation import GivenSpec, build, fault_at
-from roughbench.text import on_one_line, suggestion
+from roughbench.text import file_meant, on_one_line
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 Source = str | os.PathLike[str] | Mapping[str, Any] | Spec
@@ -117,9 +117,8 @@ def _from_file(source: str | os.PathLike[str]) -> GivenSpec:
             raise SpecError([Fault(f"is an HDF5 file, not a spec; {hint}", source=name)])
         text = data.decode("utf-8-sig")
     except FileNotFoundError:
-        beside = _neighbours(path)
-        near = beside.get(suggestion(path.stem, beside) or "")
-        hint = f" (did you mean {str(near)!r}?)" if near else ""
+        near = file_meant(path, first=(".yaml", ".yml"))
+        hint = f" (did you mean {str(path.with_name(near))!r}?)" if near else ""
         raise SpecError([Fault(f"no such file{hint}", source=name)]) from None
     except UnicodeDecodeError as error:
         before = data[: error.start]
@@ -130,13 +129,3 @@ def _from_file(source: str | os.PathLike[str]) -> GivenSpec:
         reason = explained(error) if isinstance(error, OSError) else str(error)
         raise SpecError([Fault(f"cannot be read: {reason}", source=name)]) from None
     return GivenSpec(read_yaml(text), path.stem, path.parent, name, text)
-
-
-def _neighbours(path: Path) -> dict[str, Path]:
-    """Return the files beside ``path`` by their names without an ending; specs win."""
-    try:
-        entries = [path.with_name(entry.name) for entry in path.parent.iterdir()]
-    except OSError:
-        return {}
-    entries.sort(key=lambda entry: (entry.suffix in (".yaml", ".yml"), entry.name))
-    return {entry.stem: entry for entry in entries}
